@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+namespace isograft {
+
+/// Options of the final extension and of the step from the samples to every vertex.
+struct DenseOptions {
+    /// Largest J = descriptor mismatch + 5 x anchor incompatibility of an extended sample, averaged over its ring.
+    double accept = 1.5;
+    /// Strength of the descriptor term that slides points along the surface in the last least squares; 0 = off.
+    double refine_weight = 0.1;
+    /// Iterations of that.
+    int refine_iterations = 4;
+    /// A vertex farther than this from every mapped sample stays unmatched; in sample spacings.
+    double reach = 1.3;
+
+    template <class Visitor>
+    void visit(Visitor&& visitor) {
+        visitor("accept", accept);
+        visitor("refine_weight", refine_weight);
+        visitor("refine_iterations", refine_iterations);
+        visitor("reach", reach);
+    }
+
+    /// \throw InvalidInput naming the first field that is out of range.
+    void validate() const;
+};
+
+}  // namespace isograft

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <complex>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "isograft/surface.h"
+
+namespace isograft {
+
+/// A vector in a triangle's own plane: real part along its first edge, imaginary part towards its left side as seen
+/// from outside. Products with unit numbers are rotations.
+using Complex = std::complex<double>;
+
+/// An oriented manifold triangle mesh with everything that walking over it needs.
+///
+/// Half-edge 3 f + k runs from corner k to corner k + 1 of triangle f. Vertices with several fans are split, so
+/// every vertex has one fan; edges of more than two triangles are open.
+struct TriangleMesh {
+    std::vector<Eigen::Vector3d> position;
+    std::vector<std::array<int, 3>> face;
+    /// Per half-edge the opposite one, -1 on the boundary.
+    std::vector<int> twin;
+    /// Per half-edge.
+    std::vector<double> length;
+    /// Per half-edge its unit direction in its triangle's frame.
+    std::vector<Complex> direction;
+    /// Per half-edge the rotation from its triangle's frame to its twin's (1 on the boundary).
+    std::vector<Complex> rotation;
+    /// Per triangle the corners in its frame; the first is 0.
+    std::vector<std::array<Complex, 3>> corner;
+    /// Per triangle the frame's axes and the outward normal.
+    std::vector<Eigen::Vector3d> axis_x, axis_y, normal;
+    /// Triangles around vertex v: vertex_face[vertex_face_begin[v] .. vertex_face_begin[v + 1]).
+    std::vector<int> vertex_face_begin, vertex_face;
+    /// Per vertex a third of its triangles' areas.
+    std::vector<double> vertex_area;
+    std::vector<Eigen::Vector3d> vertex_normal;
+    std::vector<char> on_boundary;
+    /// Per triangle the connected component it is in, numbered by falling area.
+    std::vector<int> component;
+    int component_count = 0;
+    double area = 0.0;
+    double mean_edge = 0.0;
+
+    /// Per vertex, per triangle: the input's index.
+    std::vector<int> input_vertex, input_face;
+    /// Per triangle: its corners 1 and 2 are the input's 2 and 1.
+    std::vector<char> input_reversed;
+
+    [[nodiscard]] int vertex_count() const { return static_cast<int>(position.size()); }
+    [[nodiscard]] int face_count() const { return static_cast<int>(face.size()); }
+    [[nodiscard]] int from(int halfedge) const { return face[halfedge / 3][halfedge % 3]; }
+    [[nodiscard]] int to(int halfedge) const { return face[halfedge / 3][(halfedge % 3 + 1) % 3]; }
+};
+
+/// Connect, split and measure a triangle soup whose triangles have an area and a common winding.
+///
+/// \param position #V. \param face indices into it. \param input_face, input_reversed per triangle, passed on.
+/// Vertices no triangle uses are dropped; `input_vertex` refers to `position`. O(#F log #F).
+TriangleMesh build_mesh(const std::vector<Eigen::Vector3d>& position, const std::vector<std::array<int, 3>>& face,
+                        const std::vector<int>& input_face, const std::vector<char>& input_reversed);
+
+/// The same mesh with all lengths multiplied by `factor`.
+TriangleMesh scaled(const TriangleMesh& mesh, double factor);
+
+}  // namespace isograft
