@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "geodesic/window.h"
+
+#include <algorithm>
+#include <functional>
+#include <limits>
+
+#include "isograft/errors.h"
+#include "isograft/geodesic.h"
+
+namespace isograft {
+
+namespace {
+
+// The position, below an edge laid along the real axis, of the source that explains the distances of its ends.
+Complex virtual_source(double edge, double from_distance, double to_distance) {
+    const double x = (edge * edge + from_distance * from_distance - to_distance * to_distance) / (2.0 * edge);
+    const double y2 = from_distance * from_distance - x * x;
+    return {x, y2 > 0.0 ? -std::sqrt(y2) : 0.0};
+}
+
+struct Unfolded {
+    double distance = 0.0;
+    double angle = 0.0;
+    /// The straight path crosses the edge; otherwise it runs over one of its ends.
+    bool straight = false;
+    bool over_from = false;
+    Complex source;
+};
+
+Unfolded unfold(double edge, Complex far, double from_distance, double to_distance, double from_angle,
+                double to_angle) {
+    Unfolded result;
+    const Complex source = virtual_source(edge, from_distance, to_distance);
+    const Complex end(edge, 0.0);
+    result.source = source;
+    const double drop = far.imag() - source.imag();
+    const double crossing = drop > 1e-12 * edge
+                                ? source.real() - (far.real() - source.real()) * source.imag() / drop
+                                : source.real();
+    if (crossing >= 0.0 && crossing <= edge && source.imag() < 0.0) {
+        const double whole = std::atan2(cross(-source, end - source), dot(-source, end - source));
+        const double part = std::atan2(cross(-source, far - source), dot(-source, far - source));
+        const double share = std::abs(whole) > 1e-9 ? part / whole : 0.5;
+        result.distance = std::abs(far - source);
+        result.angle = from_angle + share * wrap_angle(to_angle - from_angle);
+        result.straight = true;
+        return result;
+    }
+    const double over_from = from_distance + std::abs(far);
+    const double over_to = to_distance + std::abs(far - end);
+    result.over_from = over_from <= over_to;
+    result.distance = result.over_from ? over_from : over_to;
+    result.angle = result.over_from ? from_angle : to_angle;
+    return result;
+}
+
+}  // namespace
+
+Window::Window(const TriangleMesh& mesh)
+    : mesh_(&mesh),
+      distance_(mesh.vertex_count()),
+      angle_(mesh.vertex_count()),
+      bent_(mesh.vertex_count(), 0),
+      stamp_(mesh.vertex_count(), 0) {}
+
+void Window::offer(int vertex, double distance, double angle, bool bent) {
+    const bool known = has(vertex);
+    if (known && distance >= distance_[vertex] * (1.0 - 1e-9)) return;
+    if (!known) reached_.push_back(vertex);
+    stamp_[vertex] = run_;
+    distance_[vertex] = distance;
+    angle_[vertex] = angle;
+    bent_[vertex] = bent ? 1 : 0;
+    heap_.emplace_back(distance, vertex);
+    std::push_heap(heap_.begin(), heap_.end(), std::greater<>());
+}
+
+void Window::relax_across(int face, int corner_from, int corner_to, int corner_far) {
+    const auto& vertices = mesh_->face[face];
+    const int from = vertices[corner_from];
+    const int to = vertices[corner_to];
+    const int h = 3 * face + corner_from;
+    const auto& corner = mesh_->corner[face];
+    const Complex far = (corner[corner_far] - corner[corner_from]) * std::conj(mesh_->direction[h]);
+    const Unfolded u = unfold(mesh_->length[h], far, distance_[from], distance_[to], angle_[from], angle_[to]);
+    bool bent = false;
+    if (u.straight) {
+        bent = bent_[from] != 0 && bent_[to] != 0;
+    } else {
+        const int over = u.over_from ? from : to;
+        bent = bent_[over] != 0 || mesh_->on_boundary[over] != 0;
+    }
+    offer(vertices[corner_far], u.distance, u.angle, bent);
+}
+
+void Window::relax_from(int vertex) {
+    for (int i = mesh_->vertex_face_begin[vertex]; i < mesh_->vertex_face_begin[vertex + 1]; ++i) {
+        const int f = mesh_->vertex_face[i];
+        const auto& vertices = mesh_->face[f];
+        const int k = vertices[0] == vertex ? 0 : vertices[1] == vertex ? 1 : 2;
+        const int next = (k + 1) % 3;
+        const int last = (k + 2) % 3;
+        if (has(vertices[next])) relax_across(f, k, next, last);
+        if (has(vertices[last])) relax_across(f, last, k, next);
+    }
+}
+
+void Window::run(const SurfacePoint& centre, double radius) {
+    if (++run_ == 0) {  // the stamps have come full circle
+        std::fill(stamp_.begin(), stamp_.end(), 0);
+        run_ = 1;
+    }
+    reached_.clear();
+    heap_.clear();
+    centre_ = centre;
+    centre_planar_ = planar(*mesh_, centre);
+    for (int k = 0; k < 3; ++k) {
+        const Complex d = mesh_->corner[centre.face][k] - centre_planar_;
+        offer(mesh_->face[centre.face][k], std::abs(d), std::arg(d), false);
+    }
+    while (!heap_.empty()) {
+        const auto [distance, vertex] = heap_.front();
+        std::pop_heap(heap_.begin(), heap_.end(), std::greater<>());
+        heap_.pop_back();
+        if (distance > distance_[vertex]) continue;
+        if (distance > radius) break;
+        relax_from(vertex);
+    }
+}
+
+std::optional<Polar> Window::query(const SurfacePoint& point) const {
+    const Complex x = planar(*mesh_, point);
+    if (point.face == centre_.face) {
+        const Complex d = x - centre_planar_;
+        return Polar{std::abs(d), std::arg(d), -unit(d)};
+    }
+    const auto& vertices = mesh_->face[point.face];
+    const auto& corner = mesh_->corner[point.face];
+    std::optional<Polar> best;
+    for (int k = 0; k < 3; ++k) {
+        const int from = vertices[k];
+        const int to = vertices[(k + 1) % 3];
+        if (!has(from) || !has(to)) continue;
+        const int h = 3 * point.face + k;
+        const Complex far = (x - corner[k]) * std::conj(mesh_->direction[h]);
+        const Unfolded u = unfold(mesh_->length[h], far, distance_[from], distance_[to], angle_[from], angle_[to]);
+        if (best && u.distance >= best->distance) continue;
+        Complex back;
+        if (u.straight) {
+            back = (u.source - far) * mesh_->direction[h];
+        } else {
+            back = (u.over_from ? corner[k] : corner[(k + 1) % 3]) - x;
+        }
+        best = Polar{u.distance, wrap_angle(u.angle), unit(back)};
+    }
+    return best;
+}
+
+Eigen::VectorXd geodesic_distances(const Surface& surface, int face, const Eigen::Vector3d& barycentric) {
+    const TriangleMesh& mesh = surface.mesh();
+    const auto found = std::find(mesh.input_face.begin(), mesh.input_face.end(), face);
+    if (face < 0 || face >= surface.faces().rows() || found == mesh.input_face.end()) {
+        throw InvalidInput("face " + std::to_string(face) +
+                           " is out of range or was left out as repeated or without area; choose another");
+    }
+    SurfacePoint centre;
+    centre.face = static_cast<int>(found - mesh.input_face.begin());
+    const bool reversed = mesh.input_reversed[centre.face] != 0;
+    centre.weight = {barycentric[0], barycentric[reversed ? 2 : 1], barycentric[reversed ? 1 : 2]};
+    Window window(mesh);
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    window.run(point_at(mesh, centre.face, planar(mesh, centre)), infinity);
+    Eigen::VectorXd result = Eigen::VectorXd::Constant(surface.vertices().rows(), infinity);
+    for (const int v : window.reached()) {
+        double& d = result[mesh.input_vertex[v]];
+        d = std::min(d, window.distance(v));
+    }
+    return result;
+}
+
+}  // namespace isograft

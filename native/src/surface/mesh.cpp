@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "surface/mesh.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <numeric>
+
+#include <Eigen/Geometry>
+
+namespace isograft {
+
+namespace {
+
+struct DirectedEdge {
+    std::uint64_t key;
+    int halfedge;
+};
+
+std::uint64_t edge_key(int a, int b) {
+    return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(a)) << 32) | static_cast<std::uint32_t>(b);
+}
+
+// Sorting instead of hashing keeps the order, and with it the bits of the result, the same everywhere.
+void connect(TriangleMesh& mesh) {
+    const int halfedges = 3 * mesh.face_count();
+    std::vector<DirectedEdge> edges(halfedges);
+    for (int h = 0; h < halfedges; ++h) {
+        edges[h] = {edge_key(std::min(mesh.from(h), mesh.to(h)), std::max(mesh.from(h), mesh.to(h))), h};
+    }
+    std::sort(edges.begin(), edges.end(), [](const DirectedEdge& a, const DirectedEdge& b) {
+        return a.key != b.key ? a.key < b.key : a.halfedge < b.halfedge;
+    });
+    mesh.twin.assign(halfedges, -1);
+    for (int i = 0; i < halfedges;) {
+        int end = i + 1;
+        while (end < halfedges && edges[end].key == edges[i].key) ++end;
+        // Only an edge of exactly two triangles that run along it in opposite ways can be walked across.
+        if (end - i == 2 && mesh.from(edges[i].halfedge) == mesh.to(edges[i + 1].halfedge)) {
+            mesh.twin[edges[i].halfedge] = edges[i + 1].halfedge;
+            mesh.twin[edges[i + 1].halfedge] = edges[i].halfedge;
+        }
+        i = end;
+    }
+}
+
+int find_root(std::vector<int>& parent, int i) {
+    while (parent[i] != i) {
+        parent[i] = parent[parent[i]];
+        i = parent[i];
+    }
+    return i;
+}
+
+// Corners that are joined across an edge are one vertex; every further fan of a vertex gets a copy of it.
+void split_fans(TriangleMesh& mesh, const std::vector<Eigen::Vector3d>& position) {
+    const int corners = 3 * mesh.face_count();
+    std::vector<int> parent(corners);
+    std::iota(parent.begin(), parent.end(), 0);
+    for (int h = 0; h < corners; ++h) {
+        const int g = mesh.twin[h];
+        if (g < h) continue;
+        const auto join = [&](int a, int b) {
+            a = find_root(parent, a);
+            b = find_root(parent, b);
+            parent[std::max(a, b)] = std::min(a, b);
+        };
+        const auto following = [](int halfedge) { return halfedge / 3 * 3 + (halfedge % 3 + 1) % 3; };
+        join(h, following(g));
+        join(following(h), g);
+    }
+    std::vector<int> old_vertex(corners);
+    for (int c = 0; c < corners; ++c) old_vertex[c] = mesh.face[c / 3][c % 3];
+    // New vertices in the order of the old ones keep neighbours near each other in memory.
+    std::vector<int> roots;
+    for (int c = 0; c < corners; ++c) {
+        if (find_root(parent, c) == c) roots.push_back(c);
+    }
+    std::sort(roots.begin(), roots.end(), [&](int a, int b) {
+        return old_vertex[a] != old_vertex[b] ? old_vertex[a] < old_vertex[b] : a < b;
+    });
+    std::vector<int> index(corners, -1);
+    for (std::size_t i = 0; i < roots.size(); ++i) {
+        index[roots[i]] = static_cast<int>(i);
+        mesh.position.push_back(position[old_vertex[roots[i]]]);
+        mesh.input_vertex.push_back(old_vertex[roots[i]]);
+    }
+    for (int c = 0; c < corners; ++c) mesh.face[c / 3][c % 3] = index[find_root(parent, c)];
+}
+
+void collect_fans(TriangleMesh& mesh) {
+    mesh.vertex_face_begin.assign(mesh.vertex_count() + 1, 0);
+    for (const auto& f : mesh.face) {
+        for (const int v : f) ++mesh.vertex_face_begin[v + 1];
+    }
+    std::partial_sum(mesh.vertex_face_begin.begin(), mesh.vertex_face_begin.end(), mesh.vertex_face_begin.begin());
+    mesh.vertex_face.resize(3 * mesh.face.size());
+    std::vector<int> next(mesh.vertex_face_begin.begin(), mesh.vertex_face_begin.end() - 1);
+    for (int f = 0; f < mesh.face_count(); ++f) {
+        for (const int v : mesh.face[f]) mesh.vertex_face[next[v]++] = f;
+    }
+}
+
+void measure(TriangleMesh& mesh) {
+    const int faces = mesh.face_count();
+    mesh.length.resize(3 * faces);
+    mesh.direction.resize(3 * faces);
+    mesh.rotation.assign(3 * faces, Complex(1.0, 0.0));
+    mesh.corner.resize(faces);
+    mesh.axis_x.resize(faces);
+    mesh.axis_y.resize(faces);
+    mesh.normal.resize(faces);
+    mesh.vertex_area.assign(mesh.vertex_count(), 0.0);
+    mesh.vertex_normal.assign(mesh.vertex_count(), Eigen::Vector3d::Zero());
+    mesh.on_boundary.assign(mesh.vertex_count(), 0);
+    mesh.area = 0.0;
+    double edges = 0.0;
+    for (int f = 0; f < faces; ++f) {
+        const auto& [a, b, c] = mesh.face[f];
+        const Eigen::Vector3d ab = mesh.position[b] - mesh.position[a];
+        const Eigen::Vector3d ac = mesh.position[c] - mesh.position[a];
+        const Eigen::Vector3d cross = ab.cross(ac);
+        const double area = 0.5 * cross.norm();
+        mesh.area += area;
+        mesh.normal[f] = cross.normalized();
+        mesh.axis_x[f] = ab.normalized();
+        mesh.axis_y[f] = mesh.normal[f].cross(mesh.axis_x[f]);
+        mesh.corner[f] = {Complex(0.0, 0.0), Complex(ab.norm(), 0.0),
+                          Complex(ac.dot(mesh.axis_x[f]), ac.dot(mesh.axis_y[f]))};
+        for (int k = 0; k < 3; ++k) {
+            const Complex e = mesh.corner[f][(k + 1) % 3] - mesh.corner[f][k];
+            mesh.length[3 * f + k] = std::abs(e);
+            mesh.direction[3 * f + k] = e / std::abs(e);
+            edges += std::abs(e);
+            mesh.vertex_area[mesh.face[f][k]] += area / 3.0;
+            mesh.vertex_normal[mesh.face[f][k]] += cross;
+        }
+    }
+    mesh.mean_edge = edges / (3.0 * faces);
+    for (auto& n : mesh.vertex_normal) n.normalize();
+    for (int h = 0; h < 3 * faces; ++h) {
+        if (mesh.twin[h] >= 0) {
+            mesh.rotation[h] = -mesh.direction[mesh.twin[h]] * std::conj(mesh.direction[h]);
+        } else {
+            mesh.on_boundary[mesh.from(h)] = 1;
+            mesh.on_boundary[mesh.to(h)] = 1;
+        }
+    }
+}
+
+double face_area(const TriangleMesh& mesh, int f) {
+    return 0.5 * mesh.corner[f][1].real() * mesh.corner[f][2].imag();
+}
+
+void label_components(TriangleMesh& mesh) {
+    const int faces = mesh.face_count();
+    mesh.component.assign(faces, -1);
+    std::vector<double> areas;
+    std::vector<int> stack;
+    for (int seed = 0; seed < faces; ++seed) {
+        if (mesh.component[seed] >= 0) continue;
+        const int label = static_cast<int>(areas.size());
+        areas.push_back(0.0);
+        stack.assign(1, seed);
+        mesh.component[seed] = label;
+        while (!stack.empty()) {
+            const int f = stack.back();
+            stack.pop_back();
+            areas[label] += face_area(mesh, f);
+            for (int k = 0; k < 3; ++k) {
+                const int g = mesh.twin[3 * f + k];
+                if (g < 0 || mesh.component[g / 3] >= 0) continue;
+                mesh.component[g / 3] = label;
+                stack.push_back(g / 3);
+            }
+        }
+    }
+    std::vector<int> order(areas.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return areas[a] > areas[b]; });
+    std::vector<int> rank(areas.size());
+    for (std::size_t i = 0; i < order.size(); ++i) rank[order[i]] = static_cast<int>(i);
+    for (int& c : mesh.component) c = rank[c];
+    mesh.component_count = static_cast<int>(areas.size());
+}
+
+}  // namespace
+
+TriangleMesh build_mesh(const std::vector<Eigen::Vector3d>& position, const std::vector<std::array<int, 3>>& face,
+                        const std::vector<int>& input_face, const std::vector<char>& input_reversed) {
+    TriangleMesh mesh;
+    mesh.face = face;
+    mesh.input_face = input_face;
+    mesh.input_reversed = input_reversed;
+    connect(mesh);
+    split_fans(mesh, position);
+    collect_fans(mesh);
+    measure(mesh);
+    label_components(mesh);
+    return mesh;
+}
+
+TriangleMesh scaled(const TriangleMesh& mesh, double factor) {
+    TriangleMesh result = mesh;
+    for (auto& p : result.position) p *= factor;
+    for (auto& l : result.length) l *= factor;
+    for (auto& c : result.corner) {
+        for (auto& z : c) z *= factor;
+    }
+    for (auto& a : result.vertex_area) a *= factor * factor;
+    result.area *= factor * factor;
+    result.mean_edge *= factor;
+    return result;
+}
+
+}  // namespace isograft
