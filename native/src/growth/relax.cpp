@@ -1,0 +1,299 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "growth/relax.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <ceres/ceres.h>
+
+#include "geodesic/shoot.h"
+
+namespace isograft {
+
+namespace {
+
+struct ActiveEdge {
+    const SampleEdge* edge;
+    int u, v;  // indices of unknowns
+    Shot shot;
+};
+
+/// The state of the least squares: where each unknown is now, and the geodesic of every edge there.
+class State : public ceres::EvaluationCallback {
+  public:
+    State(const Samples& source, const TriangleMesh& target, const PartialMap& map)
+        : source_(source), target_(target) {
+        index_.assign(source.count(), -1);
+        for (int s = 0; s < source.count(); ++s) {
+            if (!map.mapped[s]) continue;
+            index_[s] = static_cast<int>(sample.size());
+            sample.push_back(s);
+        }
+        base_.resize(sample.size());
+        turn_.assign(sample.size(), Complex(1.0, 0.0));
+        x.assign(2 * sample.size(), 0.0);
+        evaluated_ = x;
+        for (std::size_t i = 0; i < sample.size(); ++i) base_[i] = map.image[sample[i]];
+        now_ = base_;
+        rotation_.resize(sample.size());
+        for (std::size_t i = 0; i < sample.size(); ++i) rotation_[i] = map.rotation[sample[i]];
+        find_edges(map);
+    }
+
+    void PrepareForEvaluation(bool /*evaluate_jacobians*/, bool new_evaluation_point) override {
+        if (!new_evaluation_point || x == evaluated_) return;
+        evaluated_ = x;
+        std::vector<Complex> before = turn_;
+        const std::vector<SurfacePoint> was = now_;
+        for (std::size_t i = 0; i < sample.size(); ++i) move(i);
+        for (ActiveEdge& a : edges) {
+            // The last direction, carried along with the start point, is nearly right.
+            const Complex guess = a.shot.departure * turn_[a.u] * std::conj(before[a.u]);
+            if (const auto s = shoot(target_, now_[a.u], now_[a.v], guess, a.shot.length, accuracy)) {
+                a.shot = *s;
+            } else {
+                // No geodesic there: keep the length, which makes the step look useless but does no harm.
+                a.shot.departure = guess;
+                a.shot.arrival = a.shot.arrival * turn_[a.v] * std::conj(before[a.v]);
+            }
+        }
+    }
+
+    /// Derivatives of an edge's length by its two unknowns, in the frames of their base points.
+    [[nodiscard]] Complex by_u(const ActiveEdge& a) const { return -a.shot.departure * std::conj(turn_[a.u]); }
+    [[nodiscard]] Complex by_v(const ActiveEdge& a) const { return a.shot.arrival * std::conj(turn_[a.v]); }
+
+    /// Make the present points the base points; the unknowns are zero again.
+    void settle() {
+        for (std::size_t i = 0; i < sample.size(); ++i) {
+            rotation_[i] *= turn_[i];
+            turn_[i] = Complex(1.0, 0.0);
+        }
+        base_ = now_;
+        std::fill(x.begin(), x.end(), 0.0);
+        evaluated_ = x;
+    }
+
+    void cap_steps(double longest) {
+        for (std::size_t i = 0; i < sample.size(); ++i) {
+            const double length = std::hypot(x[2 * i], x[2 * i + 1]);
+            if (length <= longest) continue;
+            x[2 * i] *= longest / length;
+            x[2 * i + 1] *= longest / length;
+        }
+    }
+
+    [[nodiscard]] const SurfacePoint& point(std::size_t i) const { return now_[i]; }
+    [[nodiscard]] Complex rotation(std::size_t i) const { return rotation_[i] * turn_[i]; }
+
+    std::vector<int> sample;
+    std::vector<double> x;
+    std::vector<ActiveEdge> edges;
+    /// Level-0 edges no geodesic was found for, as pairs of unknowns.
+    std::vector<std::pair<int, int>> broken;
+
+  private:
+    static constexpr ShootOptions accuracy{.max_traces = 4, .tolerance = 0.03};
+
+    void find_edges(const PartialMap& map) {
+        for (const SampleEdge& e : source_.edges) {
+            if (!is_active(e, map)) continue;
+            const int u = index_[e.u];
+            const int v = index_[e.v];
+            const auto s = shoot(target_, base_[u], base_[v], e.at_u * rotation_[u], e.length, accuracy);
+            if (s) {
+                edges.push_back({&e, u, v, *s});
+            } else if (e.level == 0) {
+                broken.emplace_back(u, v);
+            }
+        }
+    }
+
+    void move(std::size_t i) {
+        const Complex step(x[2 * i], x[2 * i + 1]);
+        const double length = std::abs(step);
+        if (length < 1e-12 * source_.spacing) {
+            now_[i] = base_[i];
+            turn_[i] = Complex(1.0, 0.0);
+            return;
+        }
+        const Trace t = trace(target_, base_[i], step, length);
+        now_[i] = t.end;
+        turn_[i] = t.direction * std::conj(step / length);
+    }
+
+    const Samples& source_;
+    const TriangleMesh& target_;
+    std::vector<int> index_;
+    std::vector<SurfacePoint> base_, now_;
+    std::vector<Complex> turn_, rotation_;
+    std::vector<double> evaluated_;
+};
+
+/// Relative stretch of one edge; State has it ready.
+class EdgeCost : public ceres::SizedCostFunction<1, 2, 2> {
+  public:
+    EdgeCost(const State& state, std::size_t edge) : state_(state), edge_(edge) {}
+
+    bool Evaluate(double const* const* /*parameters*/, double* residuals, double** jacobians) const override {
+        const ActiveEdge& a = state_.edges[edge_];
+        const double scale = 1.0 / a.edge->length;
+        residuals[0] = (a.shot.length - a.edge->length) * scale;
+        if (jacobians == nullptr) return true;
+        const Complex derivative[2] = {state_.by_u(a), state_.by_v(a)};
+        for (int k = 0; k < 2; ++k) {
+            if (jacobians[k] == nullptr) continue;
+            jacobians[k][0] = derivative[k].real() * scale;
+            jacobians[k][1] = derivative[k].imag() * scale;
+        }
+        return true;
+    }
+
+  private:
+    const State& state_;
+    std::size_t edge_;
+};
+
+/// A quadratic model as two residuals: |L^T x + L^-1 g|^2 / 2 with H = L L^T.
+class TermCost : public ceres::SizedCostFunction<2, 2> {
+  public:
+    TermCost(const SampleTerm& term, double weight) {
+        Eigen::Matrix2d h;
+        h << term.hxx, term.hxy, term.hxy, term.hyy;
+        const Eigen::LLT<Eigen::Matrix2d> llt(h * weight);
+        factor_ = llt.matrixL();
+        offset_ = llt.matrixL().solve(Eigen::Vector2d(term.gx, term.gy) * weight);
+    }
+    bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+        const Eigen::Vector2d x(parameters[0][0], parameters[0][1]);
+        const Eigen::Vector2d r = factor_.transpose() * x + offset_;
+        residuals[0] = r[0];
+        residuals[1] = r[1];
+        if (jacobians != nullptr && jacobians[0] != nullptr) {
+            Eigen::Map<Eigen::Matrix<double, 2, 2, Eigen::RowMajor>>(jacobians[0]) = factor_.transpose();
+        }
+        return true;
+    }
+
+  private:
+    Eigen::Matrix2d factor_;
+    Eigen::Vector2d offset_;
+};
+
+void solve(State& state, const GrowthOptions& options, const std::vector<SampleTerm>& terms, double term_weight,
+           int iterations) {
+    ceres::HuberLoss huber(options.huber);
+    ceres::Problem::Options problem_options;
+    problem_options.evaluation_callback = &state;
+    problem_options.disable_all_safety_checks = true;
+    ceres::Problem problem(problem_options);
+    for (std::size_t i = 0; i < state.edges.size(); ++i) {
+        const ActiveEdge& a = state.edges[i];
+        // Weight 1 / d on the stretch is weight d on the relative one.
+        auto* loss = new ceres::ScaledLoss(&huber, a.edge->length, ceres::DO_NOT_TAKE_OWNERSHIP);
+        problem.AddResidualBlock(new EdgeCost(state, i), loss, &state.x[2 * a.u], &state.x[2 * a.v]);
+    }
+    for (std::size_t i = 0; i < terms.size(); ++i) {
+        if (terms[i].hxx > 0.0) problem.AddResidualBlock(new TermCost(terms[i], term_weight), nullptr, &state.x[2 * i]);
+    }
+    ceres::Solver::Options solver;
+    solver.max_num_iterations = iterations;
+    solver.num_threads = 1;
+    solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+    solver.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
+    solver.logging_type = ceres::SILENT;
+    solver.initial_trust_region_radius = 1e3;
+    solver.function_tolerance = 1e-4;
+    ceres::Solver::Summary summary;
+    ceres::Solve(solver, &problem, &summary);
+}
+
+// Mean relative stretch per unknown over level-0 edges; a broken edge counts as stretched by 100 %.
+std::vector<double> mean_stretch(const State& state) {
+    std::vector<double> sum(state.sample.size(), 0.0);
+    std::vector<int> count(state.sample.size(), 0);
+    const auto add = [&](int u, int v, double stretch) {
+        for (const int i : {u, v}) {
+            sum[i] += stretch;
+            ++count[i];
+        }
+    };
+    for (const ActiveEdge& a : state.edges) {
+        if (a.edge->level == 0) add(a.u, a.v, std::abs(a.shot.length / a.edge->length - 1.0));
+    }
+    for (const auto& [u, v] : state.broken) add(u, v, 1.0);
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] /= std::max(1, count[i]);
+    return sum;
+}
+
+double root_mean_square(const State& state, double huber) {
+    double sum = 0.0;
+    double weight = 0.0;
+    for (const ActiveEdge& a : state.edges) {
+        const double relative = std::abs(a.shot.length / a.edge->length - 1.0);
+        const double w = a.edge->length * (relative > huber ? huber / relative : 1.0);
+        sum += w * relative * relative;
+        weight += a.edge->length;
+    }
+    return weight > 0.0 ? std::sqrt(sum / weight) : 0.0;
+}
+
+std::vector<Complex> mean_rotations(const State& state) {
+    std::vector<Complex> turn(state.sample.size(), Complex(0.0, 0.0));
+    for (const ActiveEdge& a : state.edges) {
+        // Angles over long edges tell less: curvature on the way enters them.
+        const double w = (a.edge->level <= 1 ? 1.0 : 0.3) * a.edge->length;
+        turn[a.u] += w * a.shot.departure * std::conj(a.edge->at_u);
+        turn[a.v] += w * -a.shot.arrival * std::conj(a.edge->at_v);
+    }
+    for (std::size_t i = 0; i < turn.size(); ++i) {
+        turn[i] = std::abs(turn[i]) > 1e-12 ? unit(turn[i]) : state.rotation(i);
+    }
+    return turn;
+}
+
+}  // namespace
+
+std::vector<double> relax(const Samples& source, const TriangleMesh& target, const GrowthOptions& options,
+                          const RelaxSettings& settings, PartialMap& map) {
+    State state(source, target, map);
+    const auto write_back = [&] {
+        const auto turns = mean_rotations(state);
+        for (std::size_t i = 0; i < state.sample.size(); ++i) {
+            map.put(target, state.sample[i], state.point(i), turns[i]);
+        }
+    };
+    const bool with_term = settings.term && settings.term_weight > 0.0;
+    for (int round = 0; round < (with_term ? settings.iterations : std::min(settings.iterations, 1)); ++round) {
+        std::vector<SampleTerm> terms;
+        if (with_term) {
+            write_back();
+            std::vector<SampleTerm> all(source.count());
+            settings.term(map, all);
+            for (const int s : state.sample) terms.push_back(all[s]);
+        }
+        solve(state, options, terms, settings.term_weight, with_term ? 1 : settings.iterations);
+        state.cap_steps(options.max_step * source.spacing);
+        state.PrepareForEvaluation(false, true);
+        state.settle();
+    }
+    write_back();
+    map.stress = root_mean_square(state, options.huber);
+    const auto stretch = mean_stretch(state);
+    std::vector<double> result(source.count(), 0.0);
+    for (std::size_t i = 0; i < state.sample.size(); ++i) {
+        result[state.sample[i]] = stretch[i];
+        if (settings.trim > 0.0 && stretch[i] > settings.trim) map.drop(state.sample[i]);
+    }
+    return result;
+}
+
+StretchDerivative stretch_derivative(const TriangleMesh& target, const SurfacePoint& u, const SurfacePoint& v,
+                                     Complex direction, double length) {
+    const auto shot = shoot(target, u, v, direction, length, {.max_traces = 12, .tolerance = 1e-9});
+    if (!shot) return {};
+    return {shot->length - length, -shot->departure, shot->arrival};
+}
+
+}  // namespace isograft
