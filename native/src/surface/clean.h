@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "isograft/surface.h"
+#include "surface/edges.h"
+#include "surface/mesh.h"
+
+namespace isograft {
+
+/// Triangles on their way through the gate. Corners are input vertices; where several were welded, the lowest of them.
+struct Soup {
+    /// All input vertices, used or not.
+    std::vector<Eigen::Vector3d> position;
+    std::vector<Corners> face;
+    /// Per triangle the input's index, and whether its corners 1 and 2 are the input's 2 and 1.
+    std::vector<int> input_face;
+    std::vector<char> input_reversed;
+    std::vector<std::string> warnings;
+};
+
+/// \throw ResourceLimit if half-edges would not fit into 32-bit indices, or above 2^30 vertices.
+void check_size(Eigen::Index vertices, Eigen::Index triangles);
+
+/// \throw InvalidInput if there is nothing, a coordinate is not finite, an index is out of range, or the extent is
+/// beyond what areas and volumes can be computed from.
+void check_arrays(const Points& vertices, const Triangles& faces);
+
+/// Leave out what is no triangle, and weld what only its indexing keeps apart.
+///
+/// Left out: triangles with a repeated corner, without area (height below 1e-10 of the longest edge, or below what the
+/// coordinates resolve), and those at the same three places as an earlier one. Welded: vertices at exactly the same
+/// place, where that closes an edge of exactly two triangles (soups, seams) or a triangle left out had kept them apart.
+/// Sheets that only touch in points, or at edges of more triangles, stay apart. O(#V log #V + #F log #F).
+/// \throw InvalidInput if no triangle is left.
+Soup clean(const Points& vertices, const Triangles& faces);
+
+/// Per input vertex its vertex of the repaired mesh, -1 if no triangle of it uses the vertex. Of several copies the
+/// one in the first triangle. Vertices that were welded share one.
+std::vector<int> working_vertices(const Surface& surface);
+
+}  // namespace isograft

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <compare>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace isograft {
+
+using Corners = std::array<int, 3>;
+
+/// The lower and the higher end of the edge that half-edge 3 f + k runs along.
+struct EdgeItem {
+    int low, high, halfedge;
+    auto operator<=>(const EdgeItem&) const = default;
+};
+
+/// The items [begin, end) of one edge.
+struct EdgeGroup {
+    int begin, end;
+};
+
+/// Half-edges sorted by the edge they run along, and where each edge's begin.
+struct Edges {
+    std::vector<EdgeItem> item;
+    std::vector<EdgeGroup> group;
+};
+
+inline Edges collect_edges(const std::vector<Corners>& face) {
+    Edges edges;
+    const int halfedges = 3 * static_cast<int>(face.size());
+    edges.item.resize(halfedges);
+    for (int h = 0; h < halfedges; ++h) {
+        const int a = face[h / 3][h % 3], b = face[h / 3][(h % 3 + 1) % 3];
+        edges.item[h] = {std::min(a, b), std::max(a, b), h};
+    }
+    std::sort(edges.item.begin(), edges.item.end());
+    for (int i = 0; i < halfedges;) {
+        const EdgeItem& first = edges.item[i];
+        int end = i + 1;
+        while (end < halfedges && edges.item[end].low == first.low && edges.item[end].high == first.high) ++end;
+        edges.group.push_back({i, end});
+        i = end;
+    }
+    return edges;
+}
+
+/// Append "n one" or "n many"; nothing for zero.
+inline void warn(std::vector<std::string>& warnings, std::int64_t n, const char* one, const char* many) {
+    if (n > 0) warnings.push_back(std::to_string(n) + " " + (n == 1 ? one : many));
+}
+
+}  // namespace isograft

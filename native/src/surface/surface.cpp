@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "isograft/surface.h"
+
+#include <utility>
+
+#include "surface/clean.h"
+#include "surface/mesh.h"
+#include "surface/orient.h"
+
+namespace isograft {
+
+namespace {
+
+// Smaller open parts are too little to be worth trying both ways.
+constexpr double ambiguous_share = 0.05;
+
+// The repaired triangles by the indices they had before vertices were split: cut edges show there as what they are.
+std::vector<Corners> input_corners(const TriangleMesh& mesh) {
+    std::vector<Corners> face = mesh.face;
+    for (auto& f : face) {
+        for (int& v : f) v = mesh.input_vertex[v];
+    }
+    return face;
+}
+
+int split_vertices(const TriangleMesh& mesh) {
+    // Copies of a vertex follow each other.
+    int split = 0;
+    for (int v = 1; v < mesh.vertex_count(); ++v) {
+        const bool copy = mesh.input_vertex[v] == mesh.input_vertex[v - 1];
+        const bool second = v < 2 || mesh.input_vertex[v - 1] != mesh.input_vertex[v - 2];
+        split += copy && second;
+    }
+    return split;
+}
+
+}  // namespace
+
+Surface Surface::from_mesh(Points vertices, Triangles faces) {
+    check_arrays(vertices, faces);
+    Surface surface;
+    Soup soup = clean(vertices, faces);
+    orient(soup);
+    auto mesh = std::make_shared<TriangleMesh>(
+        build_mesh(soup.position, soup.face, soup.input_face, soup.input_reversed));
+    surface.warnings_ = std::move(soup.warnings);
+    warn(surface.warnings_, split_vertices(*mesh), "vertex was split where the surface touches itself.",
+         "vertices were split where the surface touches itself.");
+    for (const ComponentSide& side :
+         component_sides(soup.position, input_corners(*mesh), mesh->component, mesh->component_count)) {
+        surface.ambiguous_ = surface.ambiguous_ || (!side.closed && side.area > ambiguous_share * mesh->area);
+    }
+    surface.vertices_ = std::move(vertices);
+    surface.faces_ = std::move(faces);
+    surface.mesh_ = std::move(mesh);
+    return surface;
+}
+
+Surface Surface::with_open_parts_reversed() const {
+    std::vector<Eigen::Vector3d> position(vertices_.rows());
+    for (Eigen::Index v = 0; v < vertices_.rows(); ++v) position[v] = vertices_.row(v);
+    std::vector<Corners> face = input_corners(*mesh_);
+    std::vector<char> reversed = mesh_->input_reversed;
+    const std::vector<ComponentSide> sides =
+        component_sides(position, face, mesh_->component, mesh_->component_count);
+    for (int f = 0; f < mesh_->face_count(); ++f) {
+        if (sides[mesh_->component[f]].closed) continue;
+        std::swap(face[f][1], face[f][2]);
+        reversed[f] = !reversed[f];
+    }
+    Surface surface = *this;
+    surface.mesh_ = std::make_shared<TriangleMesh>(build_mesh(position, face, mesh_->input_face, reversed));
+    return surface;
+}
+
+}  // namespace isograft
