@@ -7,6 +7,7 @@
 
 #include "isograft/errors.h"
 #include "isograft/geodesic.h"
+#include "surface/clean.h"
 
 namespace isograft {
 
@@ -175,6 +176,11 @@ Eigen::VectorXd geodesic_distances(const Surface& surface, int face, const Eigen
     for (const int v : window.reached()) {
         double& d = result[mesh.input_vertex[v]];
         d = std::min(d, window.distance(v));
+    }
+    // Vertices that were welded are at one place, and at one distance.
+    const std::vector<int> working = working_vertices(surface);
+    for (Eigen::Index v = 0; v < result.size(); ++v) {
+        if (working[v] >= 0) result[v] = std::min(result[v], result[mesh.input_vertex[working[v]]]);
     }
     return result;
 }

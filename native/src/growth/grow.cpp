@@ -145,11 +145,10 @@ void Grower::evaluate(const PartialMap& map, const GrowthRun& run, double limit,
     double key = p.stretch / source_.spacing + options_.rotation_weight * std::sqrt(std::max(0.0, 2.0 * (1.0 - p.concord)));
     if (p.neighbours < 3) key += 0.3 / p.neighbours;
     if (run.mismatch && run.mismatch_weight > 0.0) {
-        const double mismatch = run.mismatch(sample, p.point, p.rotation);
-        if (grown && mismatch > run.mismatch_limit) return;
-        key += run.mismatch_weight * std::min(mismatch, 1.5);
+        key += run.mismatch_weight * std::min(run.mismatch(sample, p.point, p.rotation), 1.5);
     }
     if (grown && key > limit) return;
+    if (grown && run.refuse && run.refuse(sample, p.point, p.rotation)) return;
     queue_.push_back({key, sample, stamp_[sample]});
     std::push_heap(queue_.begin(), queue_.end(), Later());
 }

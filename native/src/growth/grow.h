@@ -20,10 +20,11 @@ struct GrowthRun {
     /// Factor on GrowthOptions::stretch_limit.
     double slack = 1.0;
     /// Optional: how badly sample `s` fits at `point` under `turn`, about 1 for chance. Enters the order with
-    /// `mismatch_weight`; above `mismatch_limit` the sample is refused.
+    /// `mismatch_weight`.
     std::function<double(int s, const SurfacePoint& point, Complex turn)> mismatch;
     double mismatch_weight = 0.0;
-    double mismatch_limit = 1e9;
+    /// Optional: true refuses the sample there.
+    std::function<bool(int s, const SurfacePoint& point, Complex turn)> refuse;
 };
 
 /// Grows partial maps from oriented matches (paper sections 4.3 and 4.4). Holds working memory: one a thread.

@@ -9,12 +9,6 @@
 
 namespace isograft {
 
-/// One surface with its samples, in lengths of the pair's unit.
-struct SampledMesh {
-    TriangleMesh mesh;
-    Samples samples;
-};
-
 /// A map f of a region U of S: which samples of S it holds, where they go on T, and how their frames turn.
 struct PartialMap {
     std::vector<char> mapped;

@@ -171,7 +171,8 @@ class TermCost : public ceres::SizedCostFunction<2, 2> {
         residuals[0] = r[0];
         residuals[1] = r[1];
         if (jacobians != nullptr && jacobians[0] != nullptr) {
-            Eigen::Map<Eigen::Matrix<double, 2, 2, Eigen::RowMajor>>(jacobians[0]) = factor_.transpose();
+            Eigen::Map<Eigen::Matrix<double, 2, 2, Eigen::RowMajor>> jacobian(jacobians[0]);
+            jacobian = factor_.transpose();
         }
         return true;
     }

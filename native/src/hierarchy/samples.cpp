@@ -101,17 +101,23 @@ void visit_reached(const TriangleMesh& mesh, const Window& window, const std::ve
     }
 }
 
-void pick_samples(const TriangleMesh& mesh, Samples& samples, Random& random, Monitor& monitor) {
-    const std::vector<SurfacePoint> candidates = candidate_points(mesh, samples.spacing, random);
-    const auto group = group_by_face(mesh, candidates);
+void pick_samples(const TriangleMesh& mesh, const std::vector<SurfacePoint>& fixed, Samples& samples, Random& random,
+                  Monitor& monitor) {
+    std::vector<SurfacePoint> candidates = candidate_points(mesh, samples.spacing, random);
     std::vector<int> order(candidates.size());
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
     random.shuffle(order);
+    for (std::size_t i = fixed.size(); i-- > 0;) {
+        order.insert(order.begin(), static_cast<int>(candidates.size()));
+        candidates.push_back(fixed[i]);
+    }
+    const auto group = group_by_face(mesh, candidates);
+    std::size_t picked = 0;
     std::vector<char> covered(candidates.size(), 0);
     std::vector<int> seen(mesh.face_count(), -1);
     Window window(mesh);
     for (const int c : order) {
-        if (covered[c]) continue;
+        if (picked++ >= fixed.size() && covered[c]) continue;
         monitor.check();
         window.run(candidates[c], 1.1 * samples.spacing);
         visit_reached(mesh, window, group, candidates, seen, samples.count(), [&](int item, const Polar& polar) {
@@ -250,11 +256,12 @@ void find_witnesses(const TriangleMesh& mesh, Samples& samples) {
 }  // namespace
 
 Samples make_samples(const TriangleMesh& mesh, double spacing, const HierarchyOptions& options, std::uint64_t seed,
-                     int threads, Monitor& monitor, double from, double to) {
+                     int threads, Monitor& monitor, double from, double to,
+                     const std::vector<SurfacePoint>& fixed) {
     Samples samples;
     samples.spacing = spacing;
     Random random(seed);
-    pick_samples(mesh, samples, random, monitor);
+    pick_samples(mesh, fixed, samples, random, monitor);
     number_levels(mesh, samples, options.levels, monitor);
     const EdgeMaker maker(mesh, samples, options);
     std::vector<Neighbourhood> around(samples.count());

@@ -57,6 +57,12 @@ struct Samples {
     [[nodiscard]] std::int64_t bytes() const;
 };
 
+/// One surface with its samples, in lengths of the pair's unit.
+struct SampledMesh {
+    TriangleMesh mesh;
+    Samples samples;
+};
+
 /// The spacing at which `samples` points fill an area of `area`.
 double sample_spacing(double area, int samples);
 
@@ -66,7 +72,9 @@ double sample_spacing(double area, int samples);
 /// triangulation; level j + 1 is picked from level j with twice the radius. Edges are walked straight on the surface,
 /// so none joins two sheets that merely pass close to each other.
 /// \param spacing r0 in mesh units. O(#V) windows of a few spacings.
+/// \param fixed points that are samples whatever their distance from each other: samples 0, 1, ... in this order.
 Samples make_samples(const TriangleMesh& mesh, double spacing, const HierarchyOptions& options, std::uint64_t seed,
-                     int threads, Monitor& monitor, double from, double to);
+                     int threads, Monitor& monitor, double from, double to,
+                     const std::vector<SurfacePoint>& fixed = {});
 
 }  // namespace isograft

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 #include <sstream>
+#include <tuple>
 
 #include <Eigen/Geometry>
 
@@ -71,18 +72,51 @@ bool has_area(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::V
     return (b - a).cross(c - a).norm() > longest * std::max(flat * longest, resolved);
 }
 
+bool same_turn(const Corners& a, const Corners& b) {
+    const int k = static_cast<int>(std::find(b.begin(), b.end(), a[0]) - b.begin());
+    return a[1] == b[(k + 1) % 3];
+}
+
+// At the same three places two triangles are one drawn twice, unless they are walls of two bodies that touch: those
+// have vertices of their own, joined to the rest of their body, and opposite winding.
 void drop_repeated(Soup& soup, const std::vector<int>& place) {
     const int count = static_cast<int>(soup.face.size());
-    std::vector<std::pair<Corners, int>> keys(count);
-    for (int f = 0; f < count; ++f) {
-        Corners key;
-        for (int k = 0; k < 3; ++k) key[k] = place[soup.face[f][k]];
-        std::sort(key.begin(), key.end());
-        keys[f] = {key, f};
+    std::vector<int> uses(soup.position.size(), 0);
+    for (const Corners& face : soup.face) {
+        for (const int v : face) ++uses[v];
     }
-    std::sort(keys.begin(), keys.end());
+    struct Item {
+        Corners key;
+        bool loose;
+        int face;
+    };
+    std::vector<Item> items(count);
+    const auto placed = [&](int f) {
+        const Corners& face = soup.face[f];
+        return Corners{place[face[0]], place[face[1]], place[face[2]]};
+    };
+    for (int f = 0; f < count; ++f) {
+        Corners key = placed(f);
+        std::sort(key.begin(), key.end());
+        const auto& face = soup.face[f];
+        items[f] = {key, std::all_of(face.begin(), face.end(), [&](int v) { return uses[v] == 1; }), f};
+    }
+    // Of a loose triangle and one that hangs in the surface the latter is kept.
+    std::sort(items.begin(), items.end(), [](const Item& a, const Item& b) {
+        return std::tie(a.key, a.loose, a.face) < std::tie(b.key, b.loose, b.face);
+    });
     std::vector<char> repeated(count, 0);
-    for (int i = 1; i < count; ++i) repeated[keys[i].second] = keys[i].first == keys[i - 1].first;
+    for (int i = 0, first = 0; i < count; ++i) {
+        if (items[i].key != items[first].key) first = i;
+        for (int k = first; k < i && !repeated[items[i].face]; ++k) {
+            const int f = items[i].face, g = items[k].face;
+            if (repeated[g]) continue;
+            Corners a = soup.face[f], b = soup.face[g];
+            std::sort(a.begin(), a.end());
+            std::sort(b.begin(), b.end());
+            repeated[f] = items[i].loose || a == b || same_turn(placed(f), placed(g));
+        }
+    }
     int kept = 0;
     for (int f = 0; f < count; ++f) {
         if (repeated[f]) continue;

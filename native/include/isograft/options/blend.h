@@ -23,6 +23,8 @@ struct BlendOptions {
     int anchors = 14;
     /// Largest mean relative difference of anchor distances of such a candidate.
     double max_incompatibility = 0.22;
+    /// Largest risk of a sample that the last extension adds: mismatch + 5 x incompatibility with the anchors.
+    double accept = 1.5;
 
     template <class Visitor>
     void visit(Visitor&& visitor) {
@@ -35,6 +37,7 @@ struct BlendOptions {
         visitor("rounds", rounds);
         visitor("anchors", anchors);
         visitor("max_incompatibility", max_incompatibility);
+        visitor("accept", accept);
     }
 
     /// \throw InvalidInput naming the first field that is out of range.

@@ -3,10 +3,8 @@
 
 namespace isograft {
 
-/// Options of the final extension and of the step from the samples to every vertex.
+/// Options of the step from the samples to every vertex.
 struct DenseOptions {
-    /// Largest J = descriptor mismatch + 5 x anchor incompatibility of an extended sample, averaged over its ring.
-    double accept = 1.5;
     /// Strength of the descriptor term that slides points along the surface in the last least squares; 0 = off.
     double refine_weight = 0.1;
     /// Iterations of that.
@@ -16,7 +14,6 @@ struct DenseOptions {
 
     template <class Visitor>
     void visit(Visitor&& visitor) {
-        visitor("accept", accept);
         visitor("refine_weight", refine_weight);
         visitor("refine_iterations", refine_iterations);
         visitor("reach", reach);

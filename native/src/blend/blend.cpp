@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "blend/blend.h"
+
+#include <limits>
+#include <memory>
+
+#include "base/parallel.h"
+#include "blend/completion.h"
+#include "blend/core.h"
+
+namespace isograft {
+
+namespace {
+
+struct Contender {
+    std::unique_ptr<Completion> completion;
+    MapQuality quality;
+    double score = -1.0;
+};
+
+void complete(Contender& contender, const Core& core, const Pair& pair, const PatchSettings& settings) {
+    Completion& completion = *contender.completion;
+    completion.start(core);
+    for (int round = 0; round < settings.blend.rounds; ++round) {
+        if (!completion.second_pass()) break;
+    }
+    // How far a core reaches without a check says most about it, so it is judged after a free extension.
+    const PartialMap careful = completion.map();
+    completion.extend(std::numeric_limits<double>::infinity());
+    contender.quality = measure_quality(pair, settings.feature, completion.map());
+    contender.score = choice_score(contender.quality, core.vote);
+    completion.map() = careful;
+}
+
+// The surest parts first: what a careful round adds helps to judge the next one.
+void extend_carefully(Completion& completion, double accept) {
+    completion.trim(1.0);
+    for (int round = 0; round < 3; ++round) {
+        const int before = completion.map().count;
+        completion.extend(0.8 * accept);
+        completion.trim(0.6 * accept);
+        completion.second_pass();
+        completion.trim(0.6 * accept);
+        if (completion.map().count <= before + 2) break;
+    }
+    completion.extend(accept);
+    completion.trim(0.8 * accept);
+}
+
+}  // namespace
+
+Blended blend(const Pair& pair, const PatchSettings& settings, const std::vector<Patch>& patches, Monitor& monitor,
+              double from, double to) {
+    Blended result;
+    result.map = PartialMap(pair.source.samples.count());
+    const std::vector<Core> cores = find_cores(patches, settings.blend);
+    if (cores.empty()) {
+        result.risk.assign(pair.source.samples.count(), 0.0);
+        return result;
+    }
+    std::vector<Contender> contenders(cores.size());
+    const double middle = from + 0.6 * (to - from);
+    parallel_for(
+        static_cast<int>(cores.size()), settings.threads,
+        [&](int i, int /*worker*/) {
+            contenders[i].completion = std::make_unique<Completion>(pair, settings, patches, monitor);
+            complete(contenders[i], cores[i], pair, settings);
+        },
+        monitor, "blend", from, middle);
+    std::size_t best = 0;
+    for (std::size_t i = 1; i < contenders.size(); ++i) {
+        if (contenders[i].score > contenders[best].score) best = i;
+    }
+    Completion& completion = *contenders[best].completion;
+    extend_carefully(completion, settings.blend.accept);
+    completion.place_anchors();
+    result.risk = completion.ring_risk();
+    result.map = completion.map();
+    result.quality = contenders[best].quality;
+    result.maps_in_core = cores[best].count;
+    monitor.report("blend", to);
+    return result;
+}
+
+}  // namespace isograft

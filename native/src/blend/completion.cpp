@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "blend/completion.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "blend/merge.h"
+
+namespace isograft {
+
+namespace {
+// A candidate's whole patch must fit the anchors better than its seed alone had to.
+constexpr double patch_strictness = 0.7;
+constexpr double anchor_weight = 5.0;
+constexpr double compatible_reach = 0.12;
+}  // namespace
+
+Completion::Completion(const Pair& pair, const PatchSettings& settings, const std::vector<Patch>& patches,
+                       Monitor& monitor)
+    : pair_(pair),
+      settings_(settings),
+      monitor_(monitor),
+      grower_(pair.source.samples, pair.target, settings.growth),
+      anchors_(pair),
+      map_(pair.source.samples.count()) {
+    for (const Patch& p : patches) patches_.push_back(&p);
+}
+
+void Completion::optimise(int iterations, double trim) {
+    RelaxSettings relax_settings;
+    relax_settings.iterations = iterations;
+    relax_settings.trim = trim;
+    relax(pair_.source.samples, pair_.target.mesh, settings_.growth, relax_settings, map_);
+}
+
+void Completion::start(const Core& core) {
+    weights_.assign(patches_.size(), 0.0);
+    for (std::size_t i = 0; i < patches_.size(); ++i) {
+        if (core.member[i]) weights_[i] = std::exp(-2.0 * patches_[i]->quality);
+    }
+    map_ = PartialMap(pair_.source.samples.count());
+    merge_into(map_, pair_, settings_, patches_, weights_);
+    const std::vector<int> part = continuous_parts(map_, pair_);
+    for (std::size_t s = 0; s < part.size(); ++s) {
+        if (part[s] > 0) map_.drop(static_cast<int>(s));
+    }
+    optimise(3, 0.5 * settings_.growth.stretch_limit);
+}
+
+bool Completion::place_anchors() { return anchors_.place(map_, settings_.blend.anchors, monitor_); }
+
+std::vector<char> Completion::covered_target() const {
+    const Samples& target = pair_.target.samples;
+    std::vector<char> covered(target.count(), 0);
+    for (std::size_t s = 0; s < map_.mapped.size(); ++s) {
+        if (!map_.mapped[s]) continue;
+        for (const int v : pair_.target.mesh.face[map_.image[s].face]) {
+            if (target.owner[v] >= 0) covered[target.owner[v]] = 1;
+        }
+    }
+    return covered;
+}
+
+// Patches outside the core whose beginning fits the anchors were right after all, only isolated.
+void Completion::revive() {
+    for (std::size_t i = 0; i < patches_.size(); ++i) {
+        if (weights_[i] > 1e-4) continue;
+        const PartialMap& m = patches_[i]->map;
+        double sum = 0.0;
+        int count = 0;
+        for (std::size_t s = 0; s < m.mapped.size(); ++s) {
+            if (!m.mapped[s] || m.seed_distance[s] >= compatible_reach) continue;
+            sum += anchors_.incompatibility(static_cast<int>(s), m.image[s]);
+            ++count;
+        }
+        if (count == 0 || sum / count >= patch_strictness * settings_.blend.max_incompatibility) continue;
+        weights_[i] = std::exp(-2.0 * patches_[i]->quality - 10.0 * sum / count);
+    }
+}
+
+std::vector<Completion::Candidate> Completion::candidates() const {
+    const Samples& source = pair_.source.samples;
+    const Samples& target = pair_.target.samples;
+    const std::vector<char> covered = covered_target();
+    std::vector<Candidate> all;
+    std::vector<Candidate> here;
+    for (int s = 0; s < source.count(); ++s) {
+        if (map_.mapped[s] || (source.level[s] == 0 && s % 2 != 0)) continue;
+        monitor_.check();
+        here.clear();
+        for (int t = 0; t < target.count(); ++t) {
+            if (covered[t]) continue;
+            const double incompatible = anchors_.incompatibility(s, target.point[t]);
+            if (incompatible > settings_.blend.max_incompatibility) continue;
+            const BestShift best =
+                best_shift(pair_.source_descriptor[s], pair_.target_descriptor[t], settings_.feature);
+            if (best.distance >= not_comparable) continue;
+            const double score = best.distance / pair_.chance + 3.0 * incompatible;
+            here.push_back({score, {s, target.point[t], rotation_of(best.shift), score}});
+        }
+        const std::size_t keep = std::min<std::size_t>(2, here.size());
+        std::partial_sort(here.begin(), here.begin() + static_cast<std::ptrdiff_t>(keep), here.end(),
+                          [](const Candidate& a, const Candidate& b) { return a.score < b.score; });
+        all.insert(all.end(), here.begin(), here.begin() + static_cast<std::ptrdiff_t>(keep));
+    }
+    std::stable_sort(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) { return a.score < b.score; });
+    if (all.size() > static_cast<std::size_t>(settings_.seed.probes / 2)) {
+        all.resize(static_cast<std::size_t>(settings_.seed.probes / 2));
+    }
+    return all;
+}
+
+void Completion::try_candidate(const OrientedMatch& match) {
+    Patch patch = probe(pair_, settings_, grower_, match, 2 * settings_.seed.probe_size);
+    PartialMap& m = patch.map;
+    const double misfit = mean_mismatch(pair_, settings_.feature, m);
+    double incompatible = 0.0;
+    double agree = 0.0;
+    int overlap = 0;
+    for (std::size_t s = 0; s < m.mapped.size(); ++s) {
+        if (!m.mapped[s]) continue;
+        incompatible += anchors_.incompatibility(static_cast<int>(s), m.image[s]);
+        if (!map_.mapped[s]) continue;
+        ++overlap;
+        if ((m.position[s] - map_.position[s]).norm() < settings_.blend.agreement_radius) agree += 1.0;
+    }
+    incompatible /= std::max(1, m.count);
+    if (m.count < settings_.seed.probe_size / 3 || misfit > 0.6) return;
+    if (incompatible > patch_strictness * settings_.blend.max_incompatibility) return;
+    if (overlap > 3 && agree < settings_.blend.min_agreement * overlap) return;
+    measure_seed_distance(pair_.source.samples, m);
+    patch.weight = std::exp(-2.0 * misfit - 10.0 * incompatible) * (overlap > 3 ? 2.0 : 1.0);
+    own_.push_back(std::move(patch));
+    patches_.push_back(&own_.back());
+    weights_.push_back(own_.back().weight);
+}
+
+bool Completion::second_pass() {
+    const int before = map_.count;
+    if (!place_anchors()) return false;
+    revive();
+    for (const Candidate& c : candidates()) {
+        monitor_.check();
+        try_candidate(c.match);
+    }
+    merge_into(map_, pair_, settings_, patches_, weights_);
+    optimise(3, 0.5 * settings_.growth.stretch_limit);
+    return map_.count > before + 2;
+}
+
+double Completion::risk(int sample, const SurfacePoint& point, Complex rotation) const {
+    return mismatch(pair_, settings_.feature, sample, point, rotation) +
+           anchor_weight * anchors_.incompatibility(sample, point);
+}
+
+std::vector<double> Completion::ring_risk() const {
+    const Samples& source = pair_.source.samples;
+    std::vector<double> own(source.count(), 0.0);
+    for (int s = 0; s < source.count(); ++s) {
+        if (map_.mapped[s]) own[s] = risk(s, map_.image[s], map_.rotation[s]);
+    }
+    std::vector<double> result(source.count(), 0.0);
+    for (int s = 0; s < source.count(); ++s) {
+        if (!map_.mapped[s]) continue;
+        double sum = own[s];
+        int count = 1;
+        for (const int e : source.base_edges_of[s]) {
+            const int other = source.edges[e].other(s);
+            if (!map_.mapped[other]) continue;
+            sum += own[other];
+            ++count;
+        }
+        result[s] = sum / count;
+    }
+    return result;
+}
+
+void Completion::extend(double accept) {
+    optimise(4, 0.5 * settings_.growth.stretch_limit);
+    if (!place_anchors()) return;
+    GrowthRun run;
+    run.schedule = {0.3, 0.6, 1.0};
+    run.first_relax = 1 << 28;
+    run.final_iterations = 3;
+    run.slack = 2.0;
+    run.mismatch = [&](int s, const SurfacePoint& p, Complex turn) {
+        return mismatch(pair_, settings_.feature, s, p, turn);
+    };
+    run.mismatch_weight = 0.3;
+    if (std::isfinite(accept)) {
+        run.refuse = [&](int s, const SurfacePoint& p, Complex turn) { return risk(s, p, turn) > accept; };
+    }
+    monitor_.check();
+    grower_.grow(map_, run);
+}
+
+void Completion::trim(double limit) {
+    if (!place_anchors()) return;
+    const std::vector<double> risks = ring_risk();
+    for (std::size_t s = 0; s < risks.size(); ++s) {
+        if (map_.mapped[s] && risks[s] > limit) map_.drop(static_cast<int>(s));
+    }
+}
+
+}  // namespace isograft

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <deque>
+#include <vector>
+
+#include "blend/anchors.h"
+#include "blend/core.h"
+#include "growth/grow.h"
+
+namespace isograft {
+
+/// Makes one map out of one core and carries it into what is still uncovered. Every step leaves a valid map.
+class Completion {
+  public:
+    /// The references must outlive it; `patches` are shared between cores and not changed.
+    Completion(const Pair& pair, const PatchSettings& settings, const std::vector<Patch>& patches, Monitor& monitor);
+
+    /// Merge the core's patches, keep the largest continuous part, run the least squares.
+    void start(const Core& core);
+
+    /// One second pass: anchors on the map filter candidates in what is uncovered on both surfaces; maps grown from
+    /// them, and old patches that fit after all, are merged in. \return whether the map gained.
+    bool second_pass();
+
+    /// Grow the map outward. A sample is refused where its risk (see risk()) exceeds `accept`.
+    void extend(double accept);
+
+    /// Drop samples whose risk, averaged with that of their mapped neighbours, exceeds `limit`.
+    void trim(double limit);
+
+    /// Mismatch + 5 x incompatibility with the anchors of a sample at a place; about 0.3 where right. Stretch says
+    /// nothing here: the least squares hides it. The anchors are those of the last call of place_anchors().
+    [[nodiscard]] double risk(int sample, const SurfacePoint& point, Complex rotation) const;
+    /// risk() of every mapped sample averaged over itself and its mapped neighbours; 0 where unmapped.
+    [[nodiscard]] std::vector<double> ring_risk() const;
+    bool place_anchors();
+
+    [[nodiscard]] const PartialMap& map() const { return map_; }
+    [[nodiscard]] PartialMap& map() { return map_; }
+
+  private:
+    struct Candidate {
+        double score;
+        OrientedMatch match;
+    };
+
+    void optimise(int iterations, double trim);
+    void revive();
+    [[nodiscard]] std::vector<Candidate> candidates() const;
+    [[nodiscard]] std::vector<char> covered_target() const;
+    void try_candidate(const OrientedMatch& match);
+
+    const Pair& pair_;
+    PatchSettings settings_;
+    Monitor& monitor_;
+    Grower grower_;
+    Anchors anchors_;
+    PartialMap map_;
+    std::vector<const Patch*> patches_;
+    std::vector<double> weights_;
+    std::deque<Patch> own_;
+};
+
+}  // namespace isograft

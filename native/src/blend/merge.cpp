@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "blend/merge.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "geodesic/trace.h"
+
+namespace isograft {
+
+namespace {
+
+struct Vote {
+    const Patch* patch;
+    double weight;
+};
+
+struct Place {
+    SurfacePoint point;
+    Complex rotation;
+};
+
+// The place with most votes around it, if it has a fair share of all of them.
+bool settle(const std::vector<Vote>& votes, int sample, double radius, const TriangleMesh& target, Place& place) {
+    const auto closeness = [&](const Vote& a, const Vote& b) {
+        const double r = (a.patch->map.position[sample] - b.patch->map.position[sample]).norm() / radius;
+        return std::exp(-r * r);
+    };
+    double best = -1.0;
+    double total = 0.0;
+    const Vote* winner = nullptr;
+    for (const Vote& a : votes) {
+        total += a.weight;
+        double sum = 0.0;
+        for (const Vote& b : votes) sum += b.weight * closeness(a, b);
+        if (sum > best) {
+            best = sum;
+            winner = &a;
+        }
+    }
+    if (winner == nullptr || best < 0.4 * total) return false;
+    const PartialMap& centre = winner->patch->map;
+    const SurfacePoint& start = centre.image[sample];
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    Complex turn(0.0, 0.0);
+    double sum = 0.0;
+    for (const Vote& v : votes) {
+        const PartialMap& map = v.patch->map;
+        if ((map.position[sample] - centre.position[sample]).norm() > radius) continue;
+        const double w = v.weight * closeness(*winner, v);
+        mean += w * map.position[sample];
+        turn += w * carry(target, map.image[sample].face, start.face, map.rotation[sample]);
+        sum += w;
+    }
+    mean /= sum;
+    place = {start, unit(turn)};
+    const Complex step = flatten(target, start.face, mean - centre.position[sample]);
+    if (std::abs(step) > 1e-9) {
+        const Trace t = trace(target, start, step, std::abs(step));
+        place.point = t.end;
+        place.rotation *= t.direction * std::conj(unit(step));
+    }
+    return true;
+}
+
+}  // namespace
+
+void merge_into(PartialMap& map, const Pair& pair, const PatchSettings& settings,
+                const std::vector<const Patch*>& patches, const std::vector<double>& weights) {
+    constexpr double no_say = 1e-5;
+    std::vector<Vote> votes;
+    for (int s = 0; s < pair.source.samples.count(); ++s) {
+        if (map.mapped[s]) continue;
+        votes.clear();
+        for (std::size_t i = 0; i < patches.size(); ++i) {
+            const PartialMap& m = patches[i]->map;
+            if (weights[i] < no_say || !m.mapped[s]) continue;
+            const double misfit = mismatch(pair, settings.feature, s, m.image[s], m.rotation[s]);
+            votes.push_back({patches[i], weights[i] * std::exp(-m.seed_distance[s] / settings.blend.decay - misfit)});
+        }
+        Place place;
+        if (!votes.empty() && settle(votes, s, settings.blend.agreement_radius, pair.target.mesh, place)) {
+            map.put(pair.target.mesh, s, place.point, place.rotation);
+        }
+    }
+}
+
+std::vector<int> continuous_parts(const PartialMap& map, const Pair& pair) {
+    const Samples& source = pair.source.samples;
+    std::vector<int> label(source.count(), -1);
+    std::vector<double> area;
+    std::vector<int> stack;
+    for (int seed = 0; seed < source.count(); ++seed) {
+        if (!map.mapped[seed] || label[seed] >= 0) continue;
+        const int part = static_cast<int>(area.size());
+        area.push_back(0.0);
+        stack.assign(1, seed);
+        label[seed] = part;
+        while (!stack.empty()) {
+            const int u = stack.back();
+            stack.pop_back();
+            area[part] += source.area[u];
+            for (const int e : source.base_edges_of[u]) {
+                const int v = source.edges[e].other(u);
+                if (!map.mapped[v] || label[v] >= 0) continue;
+                const double on_target = (map.position[u] - map.position[v]).norm();
+                const double on_source = (source.position[u] - source.position[v]).norm();
+                const double allowed = 0.35 * source.edges[e].length + 0.2 * source.spacing;
+                if (std::abs(on_target - on_source) > allowed) continue;
+                label[v] = part;
+                stack.push_back(v);
+            }
+        }
+    }
+    std::vector<int> order(area.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return area[a] > area[b]; });
+    std::vector<int> rank(area.size());
+    for (std::size_t i = 0; i < order.size(); ++i) rank[order[i]] = static_cast<int>(i);
+    for (int& l : label) {
+        if (l >= 0) l = rank[l];
+    }
+    return label;
+}
+
+}  // namespace isograft

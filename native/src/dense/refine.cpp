@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "dense/refine.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <Eigen/Core>
+#include <Eigen/Eigenvalues>
+
+#include "base/parallel.h"
+#include "feature/curvature.h"
+#include "geodesic/trace.h"
+#include "growth/relax.h"
+
+namespace isograft {
+
+namespace {
+
+// Small enough to tell a centimetre on a body, large enough to see shape.
+constexpr double ray_radius = 0.06;
+constexpr double smoothing_time = 1.5e-4;
+// A distance at which the term has lost half its pull.
+constexpr double soft = 0.02;
+
+struct Stencil {
+    double value[3][3];
+    double step;
+};
+
+std::optional<Stencil> sample_stencil(const Pair& pair, const std::vector<double>& curvature,
+                                      const PolarDescriptor& wanted, const SurfacePoint& centre, Complex rotation,
+                                      const FeatureOptions& features) {
+    Stencil stencil{};
+    stencil.step = 0.4 * pair.source.samples.spacing;
+    for (int i = -1; i <= 1; ++i) {
+        for (int j = -1; j <= 1; ++j) {
+            SurfacePoint point = centre;
+            Complex turn = rotation;
+            if (i != 0 || j != 0) {
+                const Complex offset(i * stencil.step, j * stencil.step);
+                const Trace t = trace(pair.target.mesh, centre, offset, std::abs(offset));
+                if (!t.complete) return std::nullopt;
+                point = t.end;
+                turn *= t.direction * std::conj(unit(offset));
+            }
+            const PolarDescriptor seen =
+                ray_descriptor(pair.target.mesh, point, curvature, ray_radius, 1.0, std::arg(turn), features);
+            const double d = descriptor_distance(wanted, seen, 0, features);
+            if (d >= 0.5 * not_comparable) return std::nullopt;
+            stencil.value[i + 1][j + 1] = d;
+        }
+    }
+    return stencil;
+}
+
+// The least squares parabola through the stencil, made convex enough not to throw the point out of it.
+SampleTerm fit_term(const Stencil& stencil) {
+    const auto& v = stencil.value;
+    const double h = stencil.step;
+    Eigen::Vector2d gradient = Eigen::Vector2d::Zero();
+    Eigen::Matrix2d hessian = Eigen::Matrix2d::Zero();
+    for (int k = 0; k < 3; ++k) {
+        gradient += Eigen::Vector2d(v[2][k] - v[0][k], v[k][2] - v[k][0]) / 6.0;
+        hessian(0, 0) += (v[2][k] - 2.0 * v[1][k] + v[0][k]) / 3.0;
+        hessian(1, 1) += (v[k][2] - 2.0 * v[k][1] + v[k][0]) / 3.0;
+    }
+    hessian(0, 1) = hessian(1, 0) = 0.25 * (v[2][2] - v[2][0] - v[0][2] + v[0][0]);
+    gradient /= h;
+    hessian /= h * h;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(hessian);
+    const Eigen::Vector2d bounded = solver.eigenvalues().cwiseMax(gradient.norm() / (1.5 * h) + 1e-6);
+    hessian = solver.eigenvectors() * bounded.asDiagonal() * solver.eigenvectors().transpose();
+    const double scale = soft / (soft + v[1][1]);
+    gradient *= scale;
+    hessian *= scale;
+    return {gradient[0], gradient[1], hessian(0, 0), hessian(0, 1), hessian(1, 1)};
+}
+
+}  // namespace
+
+void refine(PartialMap& map, const Pair& pair, const FeatureOptions& features, const GrowthOptions& growth,
+            const DenseOptions& options, int threads, Monitor& monitor, double from, double to) {
+    const Samples& source = pair.source.samples;
+    if (options.refine_weight <= 0.0 || options.refine_iterations == 0 || map.count == 0) return;
+    const auto source_curvature = mean_curvature(pair.source.mesh, smoothing_time);
+    monitor.check();
+    const auto target_curvature = mean_curvature(pair.target.mesh, smoothing_time);
+    std::vector<PolarDescriptor> wanted(source.count());
+    parallel_for(
+        source.count(), threads,
+        [&](int s, int /*worker*/) {
+            if (map.mapped[s]) {
+                wanted[s] = ray_descriptor(pair.source.mesh, source.point[s], source_curvature, ray_radius, 1.0, 0.0,
+                                           features);
+            }
+        },
+        monitor, "refinement", from, from);
+    RelaxSettings settings;
+    settings.iterations = options.refine_iterations;
+    settings.term_weight = options.refine_weight;
+    int round = 0;
+    settings.term = [&](const PartialMap& now, std::vector<SampleTerm>& terms) {
+        const double begin = from + (to - from) * round / options.refine_iterations;
+        const double end = from + (to - from) * (round + 1) / options.refine_iterations;
+        ++round;
+        parallel_for(
+            source.count(), threads,
+            [&](int s, int /*worker*/) {
+                if (!now.mapped[s]) return;
+                const auto stencil = sample_stencil(pair, target_curvature, wanted[s], now.image[s], now.rotation[s],
+                                                    features);
+                if (stencil) terms[s] = fit_term(*stencil);
+            },
+            monitor, "refinement", begin, end);
+    };
+    relax(source, pair.target.mesh, growth, settings, map);
+}
+
+}  // namespace isograft

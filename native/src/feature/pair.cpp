@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "feature/pair.h"
+
+#include <algorithm>
+
+#include "base/random.h"
+#include "feature/curvature.h"
+
+namespace isograft {
+
+void describe(Pair& pair, const FeatureOptions& options, std::uint64_t seed, int threads, Monitor& monitor, double from,
+              double to) {
+    // One umbrella step on a mesh of 5,000 vertices a unit area spreads about a fourth of a squared edge.
+    constexpr double edge = 0.0141;
+    const double time = std::max(0.5, static_cast<double>(options.smoothing)) * edge * edge / 4.0;
+    pair.source_curvature = mean_curvature(pair.source.mesh, time);
+    monitor.check();
+    pair.target_curvature = mean_curvature(pair.target.mesh, time);
+    monitor.check();
+    const double middle = 0.5 * (from + to);
+    pair.source_descriptor = window_descriptors(pair.source.mesh, pair.source.samples.point, pair.source_curvature, 1.0,
+                                                options, threads, monitor, from, middle);
+    pair.target_descriptor = window_descriptors(pair.target.mesh, pair.target.samples.point, pair.target_curvature, 1.0,
+                                                options, threads, monitor, middle, to);
+    Random random(seed);
+    std::vector<double> distances;
+    for (int i = 0; i < 600; ++i) {
+        const auto& a = pair.source_descriptor[random.below(pair.source.samples.count())];
+        const auto& b = pair.target_descriptor[random.below(pair.target.samples.count())];
+        const double d = descriptor_distance(a, b, random.below(descriptor_angles), options);
+        if (d < 0.5 * not_comparable) distances.push_back(d);
+    }
+    std::sort(distances.begin(), distances.end());
+    pair.chance = distances.empty() ? 1.0 : std::max(1e-9, distances[distances.size() / 2]);
+}
+
+double mismatch(const Pair& pair, const FeatureOptions& options, int sample, const SurfacePoint& point,
+                Complex rotation) {
+    const Samples& samples = pair.target.samples;
+    const int nearest = samples.nearest(pair.target.mesh, point);
+    if (nearest < 0) return 2.0;
+    const Complex turn = carry(pair.target.mesh, point.face, samples.point[nearest].face, rotation);
+    const double d = descriptor_distance(pair.source_descriptor[sample], pair.target_descriptor[nearest],
+                                         shift_of(turn), options);
+    return std::min(3.0, d / pair.chance);
+}
+
+double field_at(const TriangleMesh& mesh, const std::vector<double>& field, const SurfacePoint& point) {
+    double value = 0.0;
+    for (int k = 0; k < 3; ++k) value += point.weight[k] * field[mesh.face[point.face][k]];
+    return value;
+}
+
+}  // namespace isograft

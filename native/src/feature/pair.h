@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "feature/descriptor.h"
+#include "hierarchy/samples.h"
+
+namespace isograft {
+
+/// Both surfaces in the pair's unit length, with everything that matching them asks for.
+struct Pair {
+    SampledMesh source, target;
+    /// Per mesh vertex, smoothed mean curvature in one over the unit length.
+    std::vector<double> source_curvature, target_curvature;
+    /// Per sample.
+    std::vector<PolarDescriptor> source_descriptor, target_descriptor;
+    /// Median distance of descriptors that have nothing to do with each other: the unit of mismatch().
+    double chance = 1.0;
+};
+
+/// Curvature and descriptors of both surfaces, and what chance gives.
+/// \param pair `source` and `target` are filled in; the rest is computed.
+void describe(Pair& pair, const FeatureOptions& options, std::uint64_t seed, int threads, Monitor& monitor, double from,
+              double to);
+
+/// How badly the source's sample fits a point of the target under a rotation: descriptor distance to the target's
+/// nearest sample over that of chance, capped at 3; 2 where the target has no sample.
+double mismatch(const Pair& pair, const FeatureOptions& options, int sample, const SurfacePoint& point, Complex rotation);
+
+/// Curvature of a vertex field at a surface point.
+double field_at(const TriangleMesh& mesh, const std::vector<double>& field, const SurfacePoint& point);
+
+}  // namespace isograft

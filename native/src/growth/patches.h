@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "feature/pair.h"
+#include "growth/grow.h"
+#include "isograft/options/blend.h"
+#include "isograft/options/seed.h"
+#include "seed/oriented_match.h"
+
+namespace isograft {
+
+/// A middle-sized map grown from one oriented match.
+struct Patch {
+    PartialMap map;
+    /// Mean mismatch plus stress plus what it lacks in size: 0 is perfect, about 1 chance.
+    double quality = 0.0;
+    /// Say in a merge; 0 has none.
+    double weight = 0.0;
+};
+
+/// Options of several stages, passed on together.
+struct PatchSettings {
+    FeatureOptions feature;
+    SeedOptions seed;
+    GrowthOptions growth;
+    BlendOptions blend;
+    int threads = 0;
+};
+
+/// Mean mismatch over a map's samples.
+double mean_mismatch(const Pair& pair, const FeatureOptions& options, const PartialMap& map);
+
+/// A small map from one oriented match, and how good it is (see Patch::quality).
+Patch probe(const Pair& pair, const PatchSettings& settings, Grower& grower, const OrientedMatch& match, int size);
+
+/// Probe the first matches, keep the best, and grow those on (DESIGN section 3, stages 5 and 6).
+///
+/// Many middle-sized maps instead of the paper's 200 whole ones: drift is not the limit, a whole limb taken for
+/// another is. \param forced the first so many matches are always kept (landmarks).
+/// \return best first. Equal bit for bit for any number of threads.
+std::vector<Patch> grow_patches(const Pair& pair, const PatchSettings& settings,
+                                const std::vector<OrientedMatch>& matches, int forced, Monitor& monitor, double from,
+                                double to);
+
+}  // namespace isograft

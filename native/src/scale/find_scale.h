@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+#include "isograft/monitor.h"
+#include "isograft/options/feature.h"
+#include "isograft/options/scale.h"
+#include "surface/mesh.h"
+
+namespace isograft {
+
+/// Two readings of the ratio of two surfaces' units from the sizes at which their descriptors fit best.
+struct ScaleVotes {
+    /// Target units per source unit, from the mean fit over the surer half of the votes.
+    double by_fit = 1.0;
+    /// The same from the most frequent best size of single votes.
+    double by_vote = 1.0;
+};
+
+/// Compare ray descriptors of `options.votes` source points at 19 sizes with the target's everywhere.
+///
+/// Distances count relative to what each point meets on the target at the same size: raw distances favour large, plain
+/// windows and err by factors of two.
+ScaleVotes vote_scale(const TriangleMesh& source, const TriangleMesh& target, const FeatureOptions& features,
+                      const ScaleOptions& options, std::uint64_t seed, int threads, Monitor& monitor, double from,
+                      double to);
+
+/// Ratios worth trying, the likeliest first: 1 and the root of the areas' ratio where a vote confirms them, else the
+/// votes themselves.
+std::vector<double> scale_candidates(const ScaleVotes& votes, double root_of_area_ratio);
+
+}  // namespace isograft
