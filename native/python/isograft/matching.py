@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""match(): from two surfaces to ranked correspondences."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from isograft import _native
+from isograft.arguments import to_int, to_landmarks, to_scale
+from isograft.correspondence import Correspondence
+from isograft.errors import InvalidInput
+from isograft.presets import check_overrides, preset_options
+from isograft.report import Report
+from isograft.surface import as_surface
+
+#: Called with the stage's name and the fraction done; returning False cancels.
+ProgressCallback = Callable[[str, float], Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Match:
+    """Result of match(): correspondences, the best first, and what the call did."""
+
+    best: Correspondence
+    #: Maps that contradict the best but are consistent too (the surface maps onto itself), best first.
+    alternatives: list[Correspondence]
+    report: Report
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write an .npz: the best's arrays, the alternatives' as `alternative1_...`, and `report` (JSON text)."""
+        from isograft.formats.maps import write_npz
+
+        write_npz(path, [self.best, *self.alternatives], self.report)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Match:
+        """Read what save() wrote. Raises InvalidInput if the file holds something else."""
+        from isograft.formats.maps import read_npz
+
+        correspondences, report = read_npz(path)
+        return cls(correspondences[0], correspondences[1:], report or Report())
+
+
+def match(
+    source: Any,
+    target: Any,
+    *,
+    preset: str = "default",
+    landmarks: Any = None,
+    scale: str | float = "auto",
+    threads: int | None = None,
+    seed: int = 0,
+    progress: ProgressCallback | None = None,
+    **overrides: Any,
+) -> Match:
+    """Find a dense partial near-isometric correspondence from `source` to `target`.
+
+    No common position, unit or landmarks are needed. What cannot be matched is left unmatched; at worst everything
+    is. The result depends on the input, the options and `seed` alone, bit for bit.
+
+    Args:
+        source, target: a Surface each, or tuples (vertices, faces) of (n, 3) numbers and (k, 3) integers.
+        preset: see presets().
+        landmarks: known pairs of vertices, (k, 2) integers, or {"source": [...], "target": [...]}.
+        scale: target units per source unit: "auto" finds it, "fixed" is 1, or the number itself.
+        threads: worker threads; None takes all cores. The result does not depend on it.
+        seed: of every random choice.
+        progress: called as progress(stage, fraction) on the calling thread, with fractions that rise to 1, and again
+            with the last one while a stage is long; returning False cancels. Other Python threads run meanwhile.
+        overrides: single options by name, `<stage>_<field>`; see preset_options().
+
+    Raises:
+        InvalidInput: an argument cannot be used; the text says which and why.
+        ResourceLimit: the surfaces are too large for this build or the memory.
+        Cancelled: `progress` returned False. What it raises is passed on; so is KeyboardInterrupt.
+    """
+    if not (progress is None or callable(progress)):
+        raise InvalidInput(f"progress must be callable, not {type(progress).__name__}")
+    options = preset_options(preset) | check_overrides(overrides, preset)
+    scale_mode, scale_value = to_scale(scale)
+    thread_count = 0 if threads is None else to_int(threads, "threads", 1, 1024)
+    seed_value = to_int(seed, "seed", 0, 2**64 - 1)
+    s = as_surface(source, "source")
+    t = as_surface(target, "target")
+    pairs = to_landmarks(landmarks, len(s.vertices), len(t.vertices))
+
+    native = _native.match(
+        s.native,
+        t.native,
+        preset=preset,
+        overrides=options,
+        landmarks=np.ascontiguousarray(pairs),
+        scale_mode=scale_mode,
+        scale_value=scale_value,
+        threads=thread_count,
+        seed=seed_value,
+        progress=progress,
+    )
+    correspondences = [
+        Correspondence.from_native(item, t.faces, len(t.vertices)) for item in native.correspondences
+    ]
+    report = Report.from_native(native.report, preset, seed_value, options)
+    return Match(correspondences[0], correspondences[1:], report)
