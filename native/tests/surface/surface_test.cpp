@@ -1,0 +1,476 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "isograft/surface.h"
+
+#include <algorithm>
+#include <limits>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "isograft/errors.h"
+#include "shapes.h"
+#include "surface/clean.h"
+#include "surface/orient.h"
+
+namespace isograft {
+namespace {
+
+using shapes::Shape;
+
+Surface gate(const Shape& shape) { return Surface::from_mesh(shape.vertices, shape.faces); }
+
+bool warns(const Surface& surface, const std::string& text) {
+    const auto& w = surface.warnings();
+    return std::any_of(w.begin(), w.end(), [&](const std::string& s) { return s.find(text) != std::string::npos; });
+}
+
+std::string refusal(const Shape& shape) {
+    try {
+        gate(shape);
+    } catch (const InvalidInput& e) {
+        return e.what();
+    }
+    return "";
+}
+
+double volume(const TriangleMesh& mesh) {
+    double sum = 0.0;
+    for (const auto& [a, b, c] : mesh.face) {
+        sum += mesh.position[a].dot(mesh.position[b].cross(mesh.position[c])) / 6.0;
+    }
+    return sum;
+}
+
+// Every half-edge's twin runs the other way between the same vertices, and every vertex has one fan.
+void expect_manifold(const TriangleMesh& mesh) {
+    for (int h = 0; h < 3 * mesh.face_count(); ++h) {
+        const int g = mesh.twin[h];
+        if (g < 0) continue;
+        EXPECT_EQ(mesh.twin[g], h);
+        EXPECT_EQ(mesh.from(g), mesh.to(h));
+        EXPECT_EQ(mesh.to(g), mesh.from(h));
+    }
+    for (int v = 0; v < mesh.vertex_count(); ++v) {
+        const int begin = mesh.vertex_face_begin[v], end = mesh.vertex_face_begin[v + 1];
+        ASSERT_GT(end, begin);
+        int fan = 1;
+        const auto out = [&](int f) {
+            return 3 * f + static_cast<int>(std::find(mesh.face[f].begin(), mesh.face[f].end(), v) -
+                                            mesh.face[f].begin());
+        };
+        const int first = out(mesh.vertex_face[begin]);
+        int h = first;
+        for (int g; (g = mesh.twin[h / 3 * 3 + (h % 3 + 2) % 3]) >= 0 && g != first; h = g) ++fan;
+        if (mesh.twin[h / 3 * 3 + (h % 3 + 2) % 3] < 0) {
+            for (h = first; mesh.twin[h] >= 0; ++fan) h = mesh.twin[h] / 3 * 3 + (mesh.twin[h] % 3 + 1) % 3;
+        }
+        EXPECT_EQ(fan, end - begin) << "vertex " << v << " has triangles outside its fan";
+    }
+}
+
+// The working triangles are the input's, corner by corner.
+void expect_indexed_by_input(const Surface& surface) {
+    const TriangleMesh& mesh = surface.mesh();
+    const auto working = working_vertices(surface);
+    ASSERT_EQ(working.size(), static_cast<std::size_t>(surface.vertices().rows()));
+    for (int f = 0; f < mesh.face_count(); ++f) {
+        for (int k = 0; k < 3; ++k) {
+            const int corner = mesh.input_reversed[f] ? (3 - k) % 3 : k;
+            const int v = surface.faces()(mesh.input_face[f], corner);
+            EXPECT_EQ(mesh.position[mesh.face[f][k]], surface.vertices().row(v).transpose());
+            ASSERT_GE(working[v], 0);
+            EXPECT_EQ(mesh.position[working[v]], surface.vertices().row(v).transpose());
+        }
+    }
+}
+
+TEST(Surface, LeavesACleanMeshAsItIs) {
+    const Shape shape = shapes::blob(2);
+    const Surface surface = gate(shape);
+    EXPECT_TRUE(surface.warnings().empty());
+    EXPECT_FALSE(surface.orientation_is_ambiguous());
+    EXPECT_EQ(surface.vertices(), shape.vertices);
+    EXPECT_EQ(surface.faces(), shape.faces);
+    EXPECT_EQ(surface.mesh().vertex_count(), shape.vertices.rows());
+    EXPECT_EQ(surface.mesh().face_count(), shape.faces.rows());
+    EXPECT_EQ(surface.mesh().component_count, 1);
+    expect_manifold(surface.mesh());
+    expect_indexed_by_input(surface);
+}
+
+TEST(Surface, RefusesNothing) {
+    const Shape shape = shapes::grid(1, 1, 1.0, 1.0);
+    EXPECT_NE(refusal({Points(0, 3), shape.faces}).find("`vertices` is empty"), std::string::npos);
+    EXPECT_NE(refusal({shape.vertices, Triangles(0, 3)}).find("`faces` is empty"), std::string::npos);
+}
+
+TEST(Surface, RefusesCoordinatesThatAreNotFiniteAndNamesTheFirstRowAndTheCount) {
+    for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
+                             -std::numeric_limits<double>::infinity()}) {
+        Shape shape = shapes::sphere(1);
+        shape.vertices(17, 2) = shape.vertices(9, 0) = shape.vertices(9, 1) = bad;
+        const std::string text = refusal(shape);
+        EXPECT_NE(text.find("2 rows"), std::string::npos) << text;
+        EXPECT_NE(text.find("row 9"), std::string::npos) << text;
+    }
+}
+
+TEST(Surface, RefusesIndicesOutOfRangeAndNamesTheFirstTriangleAndTheCount) {
+    for (const int bad : {-1, 42, std::numeric_limits<int>::max(), std::numeric_limits<int>::min()}) {
+        Shape shape = shapes::sphere(1);
+        ASSERT_EQ(shape.vertices.rows(), 42);
+        shape.faces(30, 0) = shape.faces(11, 2) = shape.faces(12, 1) = bad;
+        const std::string text = refusal(shape);
+        EXPECT_NE(text.find("3 triangles"), std::string::npos) << text;
+        EXPECT_NE(text.find("triangle 11"), std::string::npos) << text;
+        EXPECT_NE(text.find("0 to 41"), std::string::npos) << text;
+    }
+}
+
+TEST(Surface, RefusesAMeshWithoutAnyArea) {
+    Shape line = shapes::grid(3, 3, 1.0, 1.0);
+    line.vertices.col(1).setZero();
+    EXPECT_NE(refusal(line).find("none of the 18 triangles"), std::string::npos) << refusal(line);
+    Shape point = line;
+    point.vertices.setConstant(4.0);
+    EXPECT_NE(refusal(point).find("has an area"), std::string::npos);
+}
+
+TEST(Surface, RefusesExtentsWhoseAreasDoubleCannotHold) {
+    for (const double scale : {1e-160, 1e160, 1e-310}) {
+        const Shape shape = shapes::moved(shapes::sphere(1), Eigen::Matrix3d::Identity(), {0, 0, 0}, scale);
+        EXPECT_NE(refusal(shape).find("extent"), std::string::npos) << scale << refusal(shape);
+    }
+    Shape huge = shapes::sphere(1);
+    huge.vertices(0, 0) = 1e308;
+    huge.vertices(1, 0) = -1e308;
+    EXPECT_NE(refusal(huge).find("extent"), std::string::npos);
+}
+
+TEST(Surface, RefusesMoreThanItsIndicesHold) {
+    EXPECT_NO_THROW(check_size(Eigen::Index{1} << 30, 715827882));
+    EXPECT_THROW(check_size((Eigen::Index{1} << 30) + 1, 1), ResourceLimit);
+    EXPECT_THROW(check_size(3, Eigen::Index{1} << 30), ResourceLimit);
+}
+
+TEST(Surface, RepairsAlikeAtAnyScaleAndFarFromTheOrigin) {
+    Shape shape = shapes::reversed(shapes::soup(shapes::blob(2)));
+    shape.faces.row(5) << 3, 3, 9;
+    const auto expected = gate(shape).warnings();
+    for (const double scale : {1e-20, 1e-6, 1e20}) {
+        const Surface surface = gate(shapes::moved(shape, Eigen::Matrix3d::Identity(), {0, 0, 0}, scale));
+        EXPECT_EQ(surface.warnings(), expected) << scale;
+        EXPECT_EQ(surface.mesh().face_count(), gate(shape).mesh().face_count());
+    }
+    const Surface far = gate(shapes::moved(shape, Eigen::Matrix3d::Identity(), {2e6, -1e6, 3e6}));
+    EXPECT_EQ(far.warnings(), expected);
+}
+
+TEST(Surface, LeavesOutTrianglesThatRepeatACornerAndCountsThem) {
+    Shape shape = shapes::sphere(2);
+    const Eigen::Index n = shape.faces.rows();
+    shape.faces.conservativeResize(n + 3, 3);
+    shape.faces.row(n) << 4, 4, 9;
+    shape.faces.row(n + 1) << 7, 8, 7;
+    shape.faces.row(n + 2) << 1, 1, 1;
+    const Surface surface = gate(shape);
+    EXPECT_TRUE(warns(surface, "3 triangles were left out because a corner is repeated"));
+    EXPECT_EQ(surface.mesh().face_count(), n);
+    EXPECT_EQ(surface.mesh().input_face.back(), n - 1);
+    EXPECT_EQ(surface.warnings().size(), 1U);
+}
+
+TEST(Surface, LeavesOutTrianglesDrawnTwiceInEitherWindingAndCountsThem) {
+    Shape shape = shapes::sphere(2);
+    const Eigen::Index n = shape.faces.rows();
+    shape.faces.conservativeResize(n + 2, 3);
+    shape.faces.row(n) << shape.faces(10, 1), shape.faces(10, 2), shape.faces(10, 0);
+    shape.faces.row(n + 1) << shape.faces(20, 0), shape.faces(20, 2), shape.faces(20, 1);
+    const Surface surface = gate(shape);
+    EXPECT_TRUE(warns(surface, "2 triangles were left out because they repeat others"));
+    EXPECT_EQ(surface.mesh().face_count(), n);
+    EXPECT_FALSE(surface.orientation_is_ambiguous());
+    EXPECT_NEAR(volume(surface.mesh()), volume(gate(shapes::sphere(2)).mesh()), 1e-12);
+}
+
+TEST(Surface, LeavesOutATriangleDrawnTwiceInASoup) {
+    const Shape body = shapes::sphere(2);
+    Shape twice = body;
+    twice.faces.conservativeResize(body.faces.rows() + 1, 3);
+    twice.faces.bottomRows(1) = body.faces.row(33);
+    const Surface surface = gate(shapes::soup(twice));
+    EXPECT_TRUE(warns(surface, "1 triangle was left out because it repeats another"));
+    EXPECT_EQ(surface.mesh().vertex_count(), body.vertices.rows());
+    EXPECT_EQ(surface.mesh().component_count, 1);
+    EXPECT_FALSE(surface.orientation_is_ambiguous());
+    EXPECT_EQ(working_vertices(surface).back(), working_vertices(surface)[3 * 33 + 2]);
+}
+
+TEST(Surface, KeepsTheWallsOfTwoBodiesThatTouch) {
+    // Two cubes of 12 triangles with one wall in common, each with vertices of its own.
+    Shape cube{Points(8, 3), Triangles(12, 3)};
+    cube.vertices << 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0, 0, 1, 1, 0, 1, 1, 1, 1, 0, 1, 1;
+    cube.faces << 0, 2, 1, 0, 3, 2, 4, 5, 6, 4, 6, 7, 0, 1, 5, 0, 5, 4, 2, 3, 7, 2, 7, 6, 1, 2, 6, 1, 6, 5, 3, 0, 7, 0,
+        4, 7;
+    const Shape mirrored = shapes::reversed({cube.vertices * Eigen::Vector3d(-1.0, 1.0, 1.0).asDiagonal(), cube.faces});
+    const Surface surface = gate(shapes::joined(cube, mirrored));
+    EXPECT_TRUE(surface.warnings().empty()) << surface.warnings().front();
+    EXPECT_EQ(surface.mesh().face_count(), 24);
+    EXPECT_EQ(surface.mesh().component_count, 2);
+    EXPECT_FALSE(surface.orientation_is_ambiguous());
+}
+
+TEST(Surface, LeavesOutTrianglesWithoutAreaButKeepsSlivers) {
+    Shape shape = shapes::grid(4, 4, 1.0, 1.0);
+    shape.vertices.conservativeResize(27, 3);
+    shape.vertices.row(25) << 0.5, 0.0, 0.0;
+    shape.vertices.row(26) << 0.5, -1e-8, 0.0;
+    shape.faces.conservativeResize(34, 3);
+    shape.faces.row(32) << 0, 25, 1;
+    shape.faces.row(33) << 0, 26, 1;
+    const Surface surface = gate(shape);
+    EXPECT_TRUE(warns(surface, "1 triangle was left out because it has no area"));
+    EXPECT_EQ(surface.mesh().face_count(), 33);
+    EXPECT_EQ(surface.mesh().input_face.back(), 33);
+}
+
+TEST(Surface, ClosesTheGapThatANeedleWithAnEdgeOfNoLengthLeaves) {
+    // Vertex 12 of a grid doubled: the triangles on one side use the copy, two needles lie between.
+    Shape shape = shapes::grid(4, 4, 1.0, 1.0);
+    shape.vertices.conservativeResize(26, 3);
+    shape.vertices.row(25) = shape.vertices.row(12);
+    int turned = 0;
+    for (Eigen::Index f = 0; f < shape.faces.rows(); ++f) {
+        for (int k = 0; k < 3; ++k) {
+            if (shape.faces(f, k) != 12 || f >= 16) continue;
+            shape.faces(f, k) = 25;
+            ++turned;
+        }
+    }
+    ASSERT_EQ(turned, 3);
+    shape.faces.conservativeResize(34, 3);
+    shape.faces.row(32) << 11, 25, 12;
+    shape.faces.row(33) << 12, 25, 13;
+    const Surface surface = gate(shape);
+    EXPECT_TRUE(warns(surface, "2 triangles were left out because they have no area"));
+    EXPECT_TRUE(warns(surface, "1 vertex was welded"));
+    EXPECT_EQ(surface.mesh().vertex_count(), 25);
+    EXPECT_EQ(surface.mesh().on_boundary[working_vertices(surface)[12]], 0);
+    EXPECT_EQ(working_vertices(surface)[12], working_vertices(surface)[25]);
+}
+
+TEST(Surface, CountsVerticesWithoutTrianglesAndGivesThemNoPlace) {
+    Shape shape = shapes::sphere(1);
+    shape.vertices.conservativeResize(44, 3);
+    shape.vertices.bottomRows(2).setConstant(100.0);
+    const Surface surface = gate(shape);
+    EXPECT_TRUE(warns(surface, "2 vertices belong to no triangle"));
+    EXPECT_EQ(surface.mesh().vertex_count(), 42);
+    EXPECT_EQ(surface.vertices().rows(), 44);
+    EXPECT_EQ(working_vertices(surface)[42], -1);
+    EXPECT_EQ(working_vertices(surface)[43], -1);
+    expect_indexed_by_input(surface);
+}
+
+TEST(Surface, WeldsASoupIntoTheMeshItWasCutFrom) {
+    const Shape body = shapes::blob(2);
+    const Surface surface = gate(shapes::soup(body));
+    EXPECT_EQ(surface.mesh().vertex_count(), body.vertices.rows());
+    EXPECT_EQ(surface.mesh().component_count, 1);
+    EXPECT_FALSE(surface.orientation_is_ambiguous());
+    EXPECT_TRUE(warns(surface, std::to_string(3 * body.faces.rows() - body.vertices.rows()) + " vertices were welded"));
+    for (const char boundary : surface.mesh().on_boundary) EXPECT_EQ(boundary, 0);
+    expect_manifold(surface.mesh());
+    expect_indexed_by_input(surface);
+}
+
+TEST(Surface, WeldsASeam) {
+    // A tube whose last strip ends in vertices of its own, as texture seams are often exported.
+    Shape tube = shapes::cylinder(12, 6, 1.0, 2.0);
+    const Eigen::Index n = tube.vertices.rows();
+    tube.vertices.conservativeResize(n + 7, 3);
+    for (int j = 0; j <= 6; ++j) tube.vertices.row(n + j) = tube.vertices.row(12 * j);
+    for (Eigen::Index f = 0; f < tube.faces.rows(); ++f) {
+        if (f % 24 < 22) continue;
+        for (int k = 0; k < 3; ++k) {
+            if (tube.faces(f, k) % 12 == 0) tube.faces(f, k) = static_cast<int>(n) + tube.faces(f, k) / 12;
+        }
+    }
+    const Surface surface = gate(tube);
+    EXPECT_TRUE(warns(surface, "7 vertices were welded"));
+    EXPECT_EQ(surface.mesh().vertex_count(), n);
+    expect_indexed_by_input(surface);
+}
+
+TEST(Surface, DoesNotWeldSheetsThatTouchInAPoint) {
+    const Shape sheet = shapes::grid(3, 3, 1.0, 1.0);
+    const Shape other = shapes::moved(sheet, Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitZ()).matrix(), {0, 0, 0});
+    Shape both = shapes::joined(sheet, other);
+    both.vertices.row(16) = both.vertices.row(0);
+    const Surface surface = gate(both);
+    EXPECT_TRUE(surface.warnings().empty());
+    EXPECT_EQ(surface.mesh().component_count, 2);
+    EXPECT_EQ(surface.mesh().vertex_count(), 32);
+}
+
+TEST(Surface, CutsEdgesOfMoreThanTwoTrianglesOpen) {
+    // Three pages on one spine.
+    Shape pages{Points(5, 3), Triangles(3, 3)};
+    pages.vertices << 0, 0, 0, 0, 0, 1, 1, 0, 0, -1, 1, 0, -1, -1, 0;
+    pages.faces << 0, 1, 2, 0, 1, 3, 0, 1, 4;
+    const Surface surface = gate(pages);
+    EXPECT_TRUE(warns(surface, "1 edge of more than two triangles was cut open"));
+    EXPECT_TRUE(warns(surface, "2 vertices were split"));
+    EXPECT_EQ(surface.mesh().component_count, 3);
+    EXPECT_EQ(surface.mesh().vertex_count(), 9);
+    expect_manifold(surface.mesh());
+    expect_indexed_by_input(surface);
+}
+
+TEST(Surface, SplitsVerticesOfSeveralFans) {
+    Shape bow{Points(5, 3), Triangles(2, 3)};
+    bow.vertices << 0, 0, 0, 1, 0, 0, 1, 1, 0, -1, 0, 0, -1, -1, 0;
+    bow.faces << 0, 1, 2, 0, 3, 4;
+    const Surface surface = gate(bow);
+    EXPECT_TRUE(warns(surface, "1 vertex was split where the surface touches itself"));
+    EXPECT_EQ(surface.mesh().vertex_count(), 6);
+    EXPECT_EQ(surface.mesh().component_count, 2);
+    expect_manifold(surface.mesh());
+}
+
+TEST(Surface, TurnsMixedWindingToTheLargerPart) {
+    Shape shape = shapes::grid(6, 6, 1.0, 1.0);
+    for (const Eigen::Index f : {3, 17, 40}) shape.faces.row(f).reverseInPlace();
+    const Surface surface = gate(shape);
+    EXPECT_TRUE(warns(surface, "3 triangles were turned over"));
+    for (const auto& n : surface.mesh().normal) EXPECT_NEAR(n.z(), 1.0, 1e-15);
+    for (int f = 0; f < surface.mesh().face_count(); ++f) {
+        EXPECT_EQ(surface.mesh().input_reversed[f] != 0, f == 3 || f == 17 || f == 40);
+    }
+    expect_indexed_by_input(surface);
+}
+
+TEST(Surface, LetsTheAreaDecideTheWindingOfAnOpenPartNotTheNumberOfTriangles) {
+    Shape shape{Points(6, 3), Triangles(4, 3)};
+    shape.vertices << 0, 0, 0, 10, 0, 0, 0, 10, 0, 10, 10, 0, 10.5, 5, 0, 10.5, 2, 0;
+    // One large triangle against three small ones beside it.
+    shape.faces << 0, 1, 2, 1, 2, 3, 1, 3, 4, 1, 4, 5;
+    shape.vertices.row(3) << 9.0, 2.0, 0.0;
+    const Surface surface = gate(shape);
+    EXPECT_GT(surface.mesh().normal[0].z(), 0.0);
+    for (const auto& n : surface.mesh().normal) EXPECT_GT(n.z() * surface.mesh().normal[0].z(), 0.0);
+}
+
+TEST(Surface, TurnsClosedComponentsOutwardWhereverTheyLie) {
+    const Shape inside_out = shapes::moved(shapes::reversed(shapes::sphere(2)), shapes::some_rotation(), {50, 60, -70});
+    const Surface surface = gate(shapes::joined(shapes::sphere(2), inside_out));
+    EXPECT_TRUE(warns(surface, "1 closed component was inside out"));
+    EXPECT_FALSE(surface.orientation_is_ambiguous());
+    const TriangleMesh& mesh = surface.mesh();
+    for (int f = 0; f < mesh.face_count(); ++f) {
+        const bool second = mesh.input_face[f] >= 320;
+        const Eigen::Vector3d centre = second ? Eigen::Vector3d(50, 60, -70) : Eigen::Vector3d::Zero();
+        EXPECT_GT(mesh.normal[f].dot(mesh.position[mesh.face[f][0]] - centre), 0.9);
+        EXPECT_EQ(mesh.input_reversed[f] != 0, second);
+    }
+    expect_indexed_by_input(surface);
+}
+
+TEST(Surface, SeesBodiesThatShareAnEdgeAsClosed) {
+    Shape two{Points(6, 3), Triangles(8, 3)};
+    two.vertices << 0, 0, 0, 0, 0, 1, 1, 0, 0, 1, 1, 0, -1, 0, 0, -1, -1, 0;
+    two.faces << 0, 1, 2, 0, 3, 1, 0, 2, 3, 1, 3, 2, 0, 4, 1, 0, 1, 5, 0, 5, 4, 1, 4, 5;
+    const Surface surface = gate(two);
+    EXPECT_TRUE(warns(surface, "1 edge of more than two triangles"));
+    EXPECT_EQ(surface.mesh().component_count, 2);
+    EXPECT_FALSE(surface.orientation_is_ambiguous());
+    EXPECT_NEAR(volume(surface.mesh()), 2.0 / 6.0, 1e-12);
+}
+
+TEST(Surface, CutsAMoebiusBandOnceAndCallsItAmbiguous) {
+    const int n = 40;
+    Shape band{Points(2 * n, 3), Triangles(2 * n, 3)};
+    for (int i = 0; i < n; ++i) {
+        const double a = 2.0 * M_PI * i / n;
+        for (const int side : {0, 1}) {
+            const double w = (side - 0.5) * 0.6;
+            const double r = 1.0 + w * std::cos(0.5 * a);
+            band.vertices.row(2 * i + side) << r * std::cos(a), r * std::sin(a), w * std::sin(0.5 * a);
+        }
+        const bool last = i == n - 1;
+        const int a0 = 2 * i, a1 = 2 * i + 1, b0 = last ? 1 : 2 * i + 2, b1 = last ? 0 : 2 * i + 3;
+        band.faces.row(2 * i) << a0, b0, b1;
+        band.faces.row(2 * i + 1) << a0, b1, a1;
+    }
+    const Surface surface = gate(band);
+    EXPECT_TRUE(warns(surface, "1 edge was cut because the surface has only one side"));
+    EXPECT_TRUE(surface.orientation_is_ambiguous());
+    EXPECT_EQ(surface.mesh().component_count, 1);
+    expect_manifold(surface.mesh());
+}
+
+TEST(Surface, IsAmbiguousOnlyIfAnOpenPartIsMoreThanATwentieth) {
+    const Shape body = shapes::sphere(3);
+    const auto with_patch = [&](double size) {
+        return gate(shapes::joined(body, shapes::moved(shapes::grid(2, 2, size / 2, size / 2),
+                                                       Eigen::Matrix3d::Identity(), {5, 0, 0})));
+    };
+    const double area = gate(body).mesh().area;
+    EXPECT_FALSE(with_patch(std::sqrt(0.045 * area)).orientation_is_ambiguous());
+    EXPECT_TRUE(with_patch(std::sqrt(0.06 * area)).orientation_is_ambiguous());
+}
+
+TEST(Surface, ReversesOpenPartsOnlyAndTwiceIsNothing) {
+    const Shape sheet = shapes::moved(shapes::grid(8, 8, 0.3, 0.3), Eigen::Matrix3d::Identity(), {5, 0, 0});
+    const Surface surface = gate(shapes::joined(shapes::sphere(2), sheet));
+    const Surface turned = surface.with_open_parts_reversed();
+    const Surface back = turned.with_open_parts_reversed();
+    ASSERT_EQ(turned.mesh().face_count(), surface.mesh().face_count());
+    for (int f = 0; f < surface.mesh().face_count(); ++f) {
+        const bool open = surface.mesh().input_face[f] >= 320;
+        EXPECT_EQ(turned.mesh().input_face[f], surface.mesh().input_face[f]);
+        EXPECT_NEAR(turned.mesh().normal[f].dot(surface.mesh().normal[f]), open ? -1.0 : 1.0, 1e-12);
+        EXPECT_EQ(turned.mesh().input_reversed[f] != 0, open);
+        EXPECT_EQ(back.mesh().face[f], surface.mesh().face[f]);
+    }
+    EXPECT_EQ(turned.vertices(), surface.vertices());
+    EXPECT_EQ(turned.faces(), surface.faces());
+    EXPECT_TRUE(turned.orientation_is_ambiguous());
+    expect_indexed_by_input(turned);
+    EXPECT_EQ(back.mesh().input_vertex, surface.mesh().input_vertex);
+}
+
+TEST(Surface, ReversingKeepsCutEdgesCut) {
+    // A sheet with a fin on an inner edge: both sides of the cut stay joined around its ends.
+    Shape finned = shapes::grid(4, 4, 1.0, 1.0);
+    finned.vertices.conservativeResize(26, 3);
+    finned.vertices.row(25) << 2.0, 2.5, 1.0;
+    finned.faces.conservativeResize(33, 3);
+    finned.faces.row(32) << 12, 17, 25;
+    const Surface surface = gate(finned);
+    EXPECT_TRUE(warns(surface, "1 edge of more than two triangles"));
+    const Surface turned = surface.with_open_parts_reversed();
+    const auto open_edges = [](const TriangleMesh& mesh) { return std::count(mesh.twin.begin(), mesh.twin.end(), -1); };
+    EXPECT_EQ(open_edges(turned.mesh()), open_edges(surface.mesh()));
+    EXPECT_EQ(turned.mesh().vertex_count(), surface.mesh().vertex_count());
+    expect_manifold(turned.mesh());
+}
+
+TEST(Surface, IsTheSameAfterRenumbering) {
+    Shape shape = shapes::joined(shapes::reversed(shapes::blob(2)), shapes::grid(5, 5, 0.2, 0.2));
+    for (const Eigen::Index f : {330, 340}) shape.faces.row(f).reverseInPlace();
+    const auto other = shapes::renumbered(shape, 5);
+    const Surface a = gate(shape), b = gate(other.shape);
+    EXPECT_EQ(a.warnings(), b.warnings());
+    EXPECT_EQ(a.mesh().face_count(), b.mesh().face_count());
+    EXPECT_EQ(a.orientation_is_ambiguous(), b.orientation_is_ambiguous());
+    std::vector<int> where(other.shape.faces.rows());
+    for (int f = 0; f < b.mesh().face_count(); ++f) where[b.mesh().input_face[f]] = f;
+    for (int f = 0; f < a.mesh().face_count(); ++f) {
+        const int g = where[other.face[a.mesh().input_face[f]]];
+        EXPECT_NEAR(a.mesh().normal[f].dot(b.mesh().normal[g]), 1.0, 1e-12);
+    }
+}
+
+}  // namespace
+}  // namespace isograft
