@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Operators: read the settings, let the bridge read, compute, let the bridge write, report."""
+
+from typing import Any
+
+import bpy
+import isograft
+
+from . import bridge, grafting, matching, properties
+from .job import Job, ReceiverFailed
+
+TICK = 0.1
+"""Seconds between two looks at a running job."""
+
+_NAVIGATION = {"MIDDLEMOUSE", "WHEELUPMOUSE", "WHEELDOWNMOUSE", "WHEELINMOUSE", "WHEELOUTMOUSE", "MOUSEMOVE"}
+
+
+def participants(context: bpy.types.Context) -> tuple[Any, list[Any]]:
+    """The donor and its receivers: the active object, and every other selected mesh object."""
+    donor = context.active_object
+    receivers = [obj for obj in context.selected_objects if obj.type == "MESH" and obj != donor]
+    return donor, receivers
+
+
+def selection_problem(context: bpy.types.Context) -> str:
+    """What to select first; empty if the selection will do."""
+    if context.mode != "OBJECT":
+        return "Leave to Object Mode first (Tab)"
+    donor, receivers = participants(context)
+    if donor is None or donor.type != "MESH":
+        return "Make a mesh the active object: it gives"
+    if not receivers:
+        return "Select the meshes that receive, then the one that gives last, so that it is active"
+    return ""
+
+
+class _DonorToReceivers:
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        problem = selection_problem(context)
+        if problem:
+            cls.poll_message_set(problem)
+        return not problem
+
+    def fail(self, error: BaseException) -> set[str]:
+        self.report({"ERROR"}, str(error))
+        return {"CANCELLED"}
+
+    def tell(self, messages: list[tuple[str, str]]) -> set[str]:
+        for level, text in messages:
+            self.report({level}, text)
+        return {"FINISHED"}
+
+
+class OBJECT_OT_isograft_match(_DonorToReceivers, bpy.types.Operator):
+    """Find for every vertex of the other selected objects its point on the active object"""
+
+    bl_idname = "object.isograft_match"
+    bl_label = "Match"
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Match in the calling thread."""
+        try:
+            plan = self._plan(context)
+            return self.tell(plan.write(Job(plan.task()).run()))
+        except isograft.Cancelled:
+            return self._cancelled()
+        except (bridge.Refused, ReceiverFailed) as error:
+            return self.fail(error)
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Match in a worker thread; Esc cancels."""
+        if bpy.app.background:
+            return self.execute(context)
+        try:
+            self._running = self._plan(context)
+        except bridge.Refused as error:
+            return self.fail(error)
+        self._job = Job(self._running.task())
+        self._job.start()
+        self._timer = context.window_manager.event_timer_add(TICK, window=context.window)
+        context.window_manager.modal_handler_add(self)
+        self._show(context)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Look after the job. The view may be turned meanwhile, nothing else reaches Blender."""
+        if event.type == "ESC" and event.value == "PRESS":
+            self._job.cancel()
+        if event.type in _NAVIGATION:
+            return {"PASS_THROUGH"}
+        if event.type != "TIMER":
+            return {"RUNNING_MODAL"}
+        if self._job.is_running():
+            self._show(context)
+            return {"RUNNING_MODAL"}
+        self._end(context)
+        try:
+            return self.tell(self._running.write(self._job.result()))
+        except isograft.Cancelled:
+            return self._cancelled()
+        except (bridge.Refused, ReceiverFailed) as error:
+            return self.fail(error)
+
+    def cancel(self, context: bpy.types.Context) -> None:
+        """Blender ends the operator: another file is loaded, or the window closes."""
+        self._job.cancel()
+        self._job.join()
+        self._end(context)
+
+    def _plan(self, context: bpy.types.Context) -> matching.Plan:
+        return matching.plan(*participants(context), context, properties.match_options(self))
+
+    def _cancelled(self) -> set[str]:
+        self.report({"WARNING"}, "Match cancelled, nothing was changed")
+        return {"CANCELLED"}
+
+    def _show(self, context: bpy.types.Context) -> None:
+        doing, fraction = self._job.progress
+        if context.workspace:
+            context.workspace.status_text_set(f"Isograft  {fraction:.0%}  {doing}   |   Esc: Cancel")
+
+    def _end(self, context: bpy.types.Context) -> None:
+        context.window_manager.event_timer_remove(self._timer)
+        if context.workspace:
+            context.workspace.status_text_set(None)
+
+
+class OBJECT_OT_isograft_transfer(_DonorToReceivers, bpy.types.Operator):
+    """Graft UV maps and colours of the active object onto the other selected objects, along their match"""
+
+    bl_idname = "object.isograft_transfer"
+    bl_label = "Transfer"
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Compute everything for all receivers, then write."""
+        donor, receivers = participants(context)
+        try:
+            settings = grafting.Settings(self.what, self.min_confidence, self.overwrite, self.link_materials)
+            grafts = grafting.prepare(donor, receivers, context, settings)
+        except (bridge.Refused, isograft.InvalidInput, isograft.ResourceLimit) as error:
+            return self.fail(error)
+        return self.tell([message for graft in grafts for message in graft.write()])
+
+
+_CLASSES = (OBJECT_OT_isograft_match, OBJECT_OT_isograft_transfer)
+
+
+def register() -> None:
+    """Register the operators with the native defaults."""
+    OBJECT_OT_isograft_match.__annotations__ = properties.match_settings(properties.native_defaults())
+    OBJECT_OT_isograft_transfer.__annotations__ = properties.transfer_settings()
+    for cls in _CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister() -> None:
+    """Undo register()."""
+    for cls in reversed(_CLASSES):
+        bpy.utils.unregister_class(cls)
