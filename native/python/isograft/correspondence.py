@@ -41,7 +41,9 @@ class Correspondence:
     target_size: int
 
     @classmethod
-    def from_native(cls, native: _native.Correspondence, faces: npt.NDArray[np.int32], target_size: int) -> Correspondence:
+    def from_native(
+        cls, native: _native.Correspondence, faces: npt.NDArray[np.int32], target_size: int
+    ) -> Correspondence:
         """`faces` are the target's triangles."""
         face = native.face
         return cls(

@@ -101,8 +101,6 @@ def match(
         seed=seed_value,
         progress=progress,
     )
-    correspondences = [
-        Correspondence.from_native(item, t.faces, len(t.vertices)) for item in native.correspondences
-    ]
+    correspondences = [Correspondence.from_native(item, t.faces, len(t.vertices)) for item in native.correspondences]
     report = Report.from_native(native.report, preset, seed_value, options)
     return Match(correspondences[0], correspondences[1:], report)

@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""OFF and its variants with colours, normals and texture coordinates (COFF, NOFF, STOFF): text only."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import numpy.typing as npt
+
+from isograft.errors import InvalidInput
+from isograft.formats.mesh import Polygons
+from isograft.formats.text import Lines, parse_ints, quoted
+
+_KEYWORD = re.compile(rb"(ST)?(C)?(N)?(4)?(n)?OFF$")
+
+
+def read_off(path: str, data: bytes) -> Polygons:
+    """Raises InvalidInput naming the line."""
+    lines = Lines(path, data)
+    if not len(lines):
+        raise InvalidInput(f"{path}: line 1: the file is empty")
+    head = lines.text[0].split()
+    keyword = _KEYWORD.match(head[0])
+    has_uvs = has_colors = has_normals = False
+    row = 0
+    if keyword is not None:
+        if keyword[4] or keyword[5]:
+            lines.fail(0, f"{quoted(head[0])}: only three dimensions are supported")
+        if head[1:2] == [b"BINARY"]:
+            lines.fail(0, "binary OFF is not supported: save it as text, or as PLY")
+        has_uvs, has_colors, has_normals = bool(keyword[1]), bool(keyword[2]), bool(keyword[3])
+        head = head[1:]
+        if not head:
+            row = 1
+            if len(lines) < 2:
+                lines.fail(1, "the numbers of vertices and faces are missing")
+            head = lines.text[1].split()
+    if not 2 <= len(head) <= 3:
+        lines.fail(row, f"{quoted(b' '.join(head))} is not the numbers of vertices, faces and edges")
+    vertex_count, face_count = parse_ints(lines, row, head[:2], "header")
+    if vertex_count < 0 or face_count < 0:
+        lines.fail(row, "the numbers of vertices and faces must not be negative")
+    start = row + 1
+    table = lines.table(start, vertex_count, "vertices", 3 + 3 * has_normals + 2 * has_uvs)
+    sizes, corners = _faces(lines, start + vertex_count, face_count, vertex_count)
+    # Plain OFF with four numbers more, or three, is in use for colours too.
+    extra = table.shape[1] - 3 - 3 * has_normals - 2 * has_uvs
+    colors = _colors(table[:, 3 + 3 * has_normals :][:, :extra]) if has_colors or extra in (3, 4) else None
+    return Polygons(
+        vertices=np.ascontiguousarray(table[:, :3]),
+        sizes=sizes,
+        corners=corners,
+        colors=colors,
+        uvs=np.ascontiguousarray(table[:, -2:]) if has_uvs else None,
+        uv_index=corners.copy() if has_uvs else None,
+    )
+
+
+def _faces(lines: Lines, start: int, count: int, vertices: int) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.int32]]:
+    lines.need(start, count, "faces")
+    parts = [line.split() for line in lines.text[start : start + count]]
+    try:
+        sizes = np.array([int(part[0]) for part in parts], np.int64)
+        short = [i for i, part in enumerate(parts) if len(part) <= sizes[i] or sizes[i] < 0]
+        if short:
+            lines.fail(start + short[0], f"face: {len(parts[short[0]]) - 1} corners, its count says {sizes[short[0]]}")
+        corners = np.array(
+            [int(token) for part, n in zip(parts, sizes.tolist(), strict=True) for token in part[1 : n + 1]], np.int64
+        )
+    except (ValueError, OverflowError) as error:
+        if isinstance(error, InvalidInput):
+            raise
+        for row, part in enumerate(parts, start):
+            size = parse_ints(lines, row, part[:1], "face")[0]
+            if any(abs(index) >= 2**31 for index in [size, *parse_ints(lines, row, part[1 : size + 1], "face")]):
+                lines.fail(row, "face: a number is beyond 32 bits")
+        raise
+    bad = np.flatnonzero((corners < 0) | (corners >= vertices))
+    if bad.size:
+        face = int(np.searchsorted(np.cumsum(sizes), bad[0], side="right"))
+        lines.fail(start + face, f"face: corner {corners[bad[0]]} is out of range, the file has {vertices} vertices")
+    return sizes.astype(np.int32), corners.astype(np.int32)
+
+
+def _colors(values: npt.NDArray[np.float64]) -> npt.NDArray[np.float64] | None:
+    """Whole numbers up to 255, or fractions up to 1; None if the columns are neither."""
+    if values.shape[1] not in (3, 4) or not len(values) or values.min() < 0 or values.max() > 255:
+        return None
+    if values.max() <= 1.0:
+        return np.ascontiguousarray(values)
+    return np.ascontiguousarray(values / 255.0)
