@@ -10,8 +10,8 @@ import bpy
 import numpy as np
 from mathutils import Euler, Matrix
 
-from demo.creature_mesh import neighbour_mean, polygonize
-from demo.creature_shape import FORE, HIND, bones, creature
+from demo.creature_mesh import components, neighbour_mean, polygonize
+from demo.creature_shape import FORE, HIND, bones, creature, horn_side
 from demo.implicit import Array
 
 GRID_SPACING = 0.02
@@ -151,7 +151,7 @@ def triangles_of(mesh: bpy.types.Mesh) -> Array:
 
 
 def uv_regions(mesh: bpy.types.Mesh) -> Array:
-    """Region per polygon for the seams: body left and right of the midplane, each limb outside and inside."""
+    """Region per polygon for the seams: body halves, each limb outside and inside, horns front and back."""
     centres = np.empty(3 * len(mesh.polygons), np.float32)
     mesh.polygons.foreach_get("center", centres)
     x, forward, up = centres[0::3], -centres[1::3], centres[2::3]
@@ -163,6 +163,10 @@ def uv_regions(mesh: bpy.types.Mesh) -> Array:
         limb = top & (forward > low) & (forward < high) & (np.abs(x) > 0.17)
         middle = np.interp(up, u[::-1], s[::-1])
         region[limb] = (number + 2 * side + (np.abs(x) > middle))[limb]
+    points = np.stack([x, -forward, up], axis=1).astype(float)
+    distance = creature().nearest_label(points, ["horn", "body"])
+    horn = (distance[:, 0] < distance[:, 1] - 0.01) & (up > 1.9) & (forward > 0.5)
+    region[horn] = (10 + 2 * side + horn_side(points))[horn]
     return region
 
 
@@ -189,7 +193,7 @@ def unwrap(body: bpy.types.Object, margin: float = 0.006) -> None:
     bpy.ops.object.mode_set(mode="OBJECT")
 
 
-def tidy_regions(region: Array, mesh: bpy.types.Mesh, smallest: int = 150) -> Array:
+def tidy_regions(region: Array, mesh: bpy.types.Mesh, smallest: int = 60) -> Array:
     """Pieces of fewer than `smallest` polygons join the neighbour region they share most edges with."""
     edge_faces: dict[tuple[int, int], list[int]] = {}
     for polygon in mesh.polygons:
@@ -197,8 +201,6 @@ def tidy_regions(region: Array, mesh: bpy.types.Mesh, smallest: int = 150) -> Ar
             edge_faces.setdefault(key, []).append(polygon.index)
     pairs = np.array([f for f in edge_faces.values() if len(f) == 2])
     region = region.copy()
-    from demo.creature_mesh import components
-
     for _ in range(6):
         same = region[pairs[:, 0]] == region[pairs[:, 1]]
         piece = components(len(region), pairs[same])

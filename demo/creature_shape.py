@@ -26,6 +26,11 @@ TAIL = [
 FORE = [(0.56, 0.3, 1.12), (0.4, 0.4, 0.68), (0.58, 0.39, 0.3), (0.66, 0.39, 0.1), (0.86, 0.4, 0.06)]
 HIND = [(-0.68, 0.24, 1.02), (-0.44, 0.36, 0.64), (-0.9, 0.33, 0.4), (-0.78, 0.33, 0.1), (-0.54, 0.34, 0.06)]
 
+LONG_HORN = [
+    (1.28, 0.13, 1.92), (1.2, 0.27, 2.07), (1.06, 0.38, 2.2), (0.9, 0.42, 2.32), (0.76, 0.38, 2.44), (0.68, 0.3, 2.54),
+]  # fmt: skip
+SHORT_HORN = [(1.3, -0.13, 1.92), (1.3, -0.28, 2.05), (1.38, -0.38, 2.17), (1.47, -0.41, 2.26)]
+
 # forward, height, half length, lean to the left: unlike each other and unlike their mirror images
 PLATES = [
     (0.86, 0.13, 0.075, 0.2), (0.66, 0.24, 0.11, -0.25), (0.4, 0.34, 0.14, 0.22), (0.1, 0.27, 0.125, -0.3),
@@ -92,18 +97,14 @@ def _head(shape: Shape) -> None:
             ellipsoid(place(1.47, 0.165 * side, 1.765), (0.06, 0.09, 0.06), carve=True, blend=0.04),
             ellipsoid(place(1.465, 0.135 * side, 1.765), (0.062, 0.062, 0.062), blend=0.012, label="eye"),
             ellipsoid(place(1.83, 0.055 * side, 1.67), (0.05, 0.05, 0.045), blend=0.03),
-            ellipsoid(place(1.62, 0.12 * side, 1.535), (0.07, 0.24, 0.022), carve=True, blend=0.04),
             tapered_capsule(
                 place(1.18, 0.17 * side, 1.76), place(1.0, 0.42 * side, 1.8), 0.1, 0.045,
                 blend=0.05, flat=((0.0, -0.6, 1.0), 0.5), label="ear",
             ),
         )  # fmt: skip
-    long_horn = [place(*p) for p in (
-        (1.28, 0.13, 1.92), (1.2, 0.27, 2.07), (1.06, 0.38, 2.2), (0.9, 0.42, 2.32), (0.76, 0.38, 2.44), (0.68, 0.3, 2.54),
-    )]  # fmt: skip
-    short_horn = [place(*p) for p in ((1.3, -0.13, 1.92), (1.3, -0.28, 2.05), (1.38, -0.38, 2.17), (1.47, -0.41, 2.26))]
-    shape.add(*curve(long_horn, (0.09, 0.082, 0.072, 0.06, 0.046, 0.028), blend=0.04, label="horn"))
-    shape.add(*curve(short_horn, (0.095, 0.082, 0.064, 0.034), blend=0.04, label="horn"))
+    shape.add(ellipsoid(place(1.72, 0, 1.545), (0.22, 0.25, 0.03), carve=True, blend=0.03))
+    shape.add(*curve([place(*p) for p in LONG_HORN], (0.09, 0.082, 0.072, 0.06, 0.046, 0.028), blend=0.04, label="horn"))
+    shape.add(*curve([place(*p) for p in SHORT_HORN], (0.095, 0.082, 0.064, 0.034), blend=0.04, label="horn"))
     shape.add(tapered_capsule(place(1.52, 0.05, 1.44), place(1.56, 0.06, 1.3), 0.05, 0.02, blend=0.05, label="horn"))
     shape.add(tapered_capsule(place(1.4, -0.05, 1.48), place(1.4, -0.07, 1.37), 0.045, 0.022, blend=0.05, label="horn"))
 
@@ -176,12 +177,14 @@ def _plates(shape: Shape) -> None:
     bare = Shape(list(shape.parts))
     for forward, height, half, lean in PLATES:
         up = _top(bare, forward)
-        root = (forward, -0.15 * lean * height, up - 0.04)
-        tip = (forward - 0.55 * half - 0.25 * height, lean * height, up + height)
+        root = (forward, -0.1 * lean * height, up - 0.05)
+        middle = (forward - 0.12 * height, 0.35 * lean * height, up + 0.38 * height)
+        tip = (forward - 0.5 * half - 0.3 * height, lean * height, up + 1.08 * height)
+        thin = ((1.0, 0.0, -lean), 0.36)
         shape.add(
-            tapered_capsule(place(*root), place(*tip), 1.3 * half, 0.06, blend=0.05, flat=((1.0, 0.0, -lean), 0.42),
-                            label="plate")
-        )  # fmt: skip
+            tapered_capsule(place(*root), place(*middle), half, 1.2 * half, blend=0.05, flat=thin, label="plate"),
+            tapered_capsule(place(*middle), place(*tip), 1.2 * half, 0.05, blend=0.02, flat=thin, label="plate"),
+        )
 
 
 def _armour(shape: Shape) -> None:
@@ -206,6 +209,13 @@ def _armour(shape: Shape) -> None:
                 forward += 1.9 * size + rng.uniform(0.05, 0.16)
 
 
+def horn_side(points: Array) -> Array:
+    """1 for points in front of the middle line of their horn, 0 behind it."""
+    left, forward, up = points[:, 0], -points[:, 1], points[:, 2]
+    middle = [np.interp(up, [u for _, _, u in horn], [f for f, _, _ in horn]) for horn in (LONG_HORN, SHORT_HORN)]
+    return (forward > np.where(left > 0, middle[0], middle[1])).astype(int)
+
+
 def _on_flank(shape: Shape, forward: float, angle: float) -> tuple[Array, Array]:
     """Point and normal where a ray from the body's axis leaves the shape; `angle` from straight up, to the left."""
     up = float(np.interp(forward, (-2.4, -0.8, 0.8), (0.68, 1.04, 1.2)))
@@ -225,7 +235,7 @@ def _relief(shape: Shape) -> None:
     phases = rng.uniform(0, 2 * np.pi, 14)
 
     def swell(p: Array, d: Array) -> Array:
-        return 0.0055 * np.sin(p @ waves.T + phases).sum(axis=1) * np.clip((p[:, 2] - 0.1) / 0.3, 0.0, 1.0)
+        return 0.0045 * np.sin(p @ waves.T + phases).sum(axis=1) * np.clip((p[:, 2] - 0.1) / 0.3, 0.0, 1.0)
 
     def ribs(p: Array, d: Array) -> Array:
         forward, up = -p[:, 1], p[:, 2]
