@@ -106,7 +106,7 @@ Eigen::VectorXi uv_islands(const Triangles& faces, const CornerValues& values, d
 /// a seam, and each corner is read in this patch, at its own image if that lies in it, else at the nearest point of the
 /// patch, extended in the plane of its triangle. So seams run along receiver edges, also those inside one island (a tube
 /// cut open along a line). Receiver triangles that share a corner and a patch read it in one place.
-/// A triangle is unmatched if a corner is, or if its images are torn apart: over ten times as long as the pair's
+/// A triangle is unmatched if a corner is, or if its images are torn apart: over four times as long as the pair's
 /// median stretch says, or not connected near each other. O(#F(receiver) x donor triangles under one of them).
 /// \param donor_values 3 #F(donor) by k: the attribute whose jumps are the seams.
 /// \return equal bit for bit for any number of threads. \param monitor may be null.

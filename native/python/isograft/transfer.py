@@ -89,7 +89,8 @@ def transfer_point(
         # Whatever the type, the row number is moved and the rows are then picked.
         rows = np.arange(len(data), dtype=np.float64).reshape(-1, 1)
         moved, mask = _native.transfer_point(face, barycentric, vertex, faces, rows, True)
-        return TransferredValues(_pick(data, moved[:, 0], mask), mask)
+        missing = np.nan if data.dtype.kind == "f" else None
+        return TransferredValues(_pick(data, moved[:, 0], mask, missing), mask)
     moved, mask = _native.transfer_point(face, barycentric, vertex, faces, _columns(data), False)
     if data.dtype.kind != "f":
         moved[~mask] = 0.0
@@ -310,10 +311,10 @@ def _nearest(data: Array, mode: str) -> bool:
     return mode == "nearest" or (mode == "auto" and data.dtype.kind != "f")
 
 
-def _pick(data: Array, rows: Array, mask: Array) -> Array:
+def _pick(data: Array, rows: Array, mask: Array, missing: float | None = None) -> Array:
     picked = np.zeros((len(mask), *data.shape[1:]), dtype=data.dtype)
-    if data.dtype.kind == "f" and len(rows) == len(mask):
-        picked[~mask] = np.nan
+    if missing is not None:
+        picked[~mask] = missing
     picked[mask] = data[rows[mask].astype(np.intp)]
     return picked
 

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "isograft/transfer.h"
+
+#include "bindings.h"
+
+namespace {
+
+using namespace isograft;
+using namespace isograft::bindings;
+
+// The arrays of a correspondence that a transfer reads; lengths are checked behind the interface.
+Correspondence to_correspondence(const IntArray& face, const DoubleArray& barycentric, const IntArray& vertex) {
+    Correspondence correspondence;
+    correspondence.face = Eigen::Map<const Eigen::VectorXi>(face.data(), face.size());
+    correspondence.barycentric = to_points(barycentric, "barycentric");
+    correspondence.vertex = Eigen::Map<const Eigen::VectorXi>(vertex.data(), vertex.size());
+    return correspondence;
+}
+
+CornerValues to_values(const DoubleArray& array, const std::string& name) {
+    if (array.ndim() != 2) {
+        throw InvalidInput(name + " must have two dimensions, got " + std::to_string(array.ndim()));
+    }
+    return Eigen::Map<const CornerValues>(array.data(), array.shape(0), array.shape(1));
+}
+
+py::array_t<bool> to_mask(const Mask& mask) { return to_numpy(mask.matrix()); }
+
+// What place_corners() and transfer_corner_uv() are given, as values of their own: Python may run meanwhile.
+struct Request {
+    Correspondence correspondence;
+    Points receiver_vertices;
+    Triangles receiver_faces;
+    Eigen::VectorXi receiver_polygons;
+    Points donor_vertices;
+    Triangles donor_faces;
+    CornerValues donor_values;
+    CornerTransferOptions options;
+
+    Request(const IntArray& face, const DoubleArray& barycentric, const IntArray& vertex,
+            const DoubleArray& receiver_vertices_, const IntArray& receiver_faces_, const IntArray& receiver_polygons_,
+            const DoubleArray& donor_vertices_, const IntArray& donor_faces_, const DoubleArray& donor_values_,
+            double tolerance, double extrapolation, int threads)
+        : correspondence(to_correspondence(face, barycentric, vertex)),
+          receiver_vertices(to_points(receiver_vertices_, "receiver_vertices")),
+          receiver_faces(to_triangles(receiver_faces_, "receiver_faces")),
+          receiver_polygons(Eigen::Map<const Eigen::VectorXi>(receiver_polygons_.data(), receiver_polygons_.size())),
+          donor_vertices(to_points(donor_vertices_, "donor_vertices")),
+          donor_faces(to_triangles(donor_faces_, "donor_faces")),
+          donor_values(to_values(donor_values_, "donor corner values")),
+          options{tolerance, extrapolation, threads} {}
+
+    [[nodiscard]] ReceiverMesh receiver() const { return {receiver_vertices, receiver_faces, receiver_polygons}; }
+    [[nodiscard]] DonorMesh donor() const { return {donor_vertices, donor_faces}; }
+};
+
+template <class... Arguments>
+void bind(py::module_& m, const char* name, py::tuple (*function)(Arguments...)) {
+    m.def(name, function, py::arg("face"), py::arg("barycentric"), py::arg("vertex"), py::arg("receiver_vertices"),
+          py::arg("receiver_faces"), py::arg("receiver_polygons"), py::arg("donor_vertices"), py::arg("donor_faces"),
+          py::arg("donor_values"), py::arg("tolerance"), py::arg("extrapolation"), py::arg("threads"));
+}
+
+template <class Work>
+auto without_lock(const Work& work) {
+    const py::gil_scoped_release released;
+    return work();
+}
+
+py::tuple bound_place_corners(const IntArray& face, const DoubleArray& barycentric, const IntArray& vertex,
+                              const DoubleArray& receiver_vertices, const IntArray& receiver_faces,
+                              const IntArray& receiver_polygons, const DoubleArray& donor_vertices,
+                              const IntArray& donor_faces, const DoubleArray& donor_values, double tolerance,
+                              double extrapolation, int threads) {
+    const Request request(face, barycentric, vertex, receiver_vertices, receiver_faces, receiver_polygons,
+                          donor_vertices, donor_faces, donor_values, tolerance, extrapolation, threads);
+    const CornerPlacement placement = without_lock([&] {
+        return place_corners(request.correspondence, request.receiver(), request.donor(), request.donor_values,
+                             request.options);
+    });
+    return py::make_tuple(to_numpy(placement.triangle), to_numpy(placement.weights), to_numpy(placement.island),
+                          to_mask(placement.mask));
+}
+
+py::tuple bound_transfer_corner_uv(const IntArray& face, const DoubleArray& barycentric, const IntArray& vertex,
+                                   const DoubleArray& receiver_vertices, const IntArray& receiver_faces,
+                                   const IntArray& receiver_polygons, const DoubleArray& donor_vertices,
+                                   const IntArray& donor_faces, const DoubleArray& donor_values, double tolerance,
+                                   double extrapolation, int threads) {
+    const Request request(face, barycentric, vertex, receiver_vertices, receiver_faces, receiver_polygons,
+                          donor_vertices, donor_faces, donor_values, tolerance, extrapolation, threads);
+    if (request.donor_values.cols() != 2) {
+        throw InvalidInput("donor_corner_uv must have 2 columns, got " + std::to_string(request.donor_values.cols()));
+    }
+    const CornerUV uv = request.donor_values;
+    const TransferredUV moved = without_lock([&] {
+        return transfer_corner_uv(request.correspondence, request.receiver(), request.donor(), uv, request.options);
+    });
+    return py::make_tuple(to_numpy(moved.uv), to_numpy(moved.island), to_mask(moved.mask));
+}
+
+}  // namespace
+
+void bind_transfer(py::module_& m) {
+    m.def(
+        "transfer_point",
+        [](const IntArray& face, const DoubleArray& barycentric, const IntArray& vertex, const IntArray& donor_faces,
+           const DoubleArray& values, bool nearest) {
+            const Correspondence correspondence = to_correspondence(face, barycentric, vertex);
+            const Triangles faces = to_triangles(donor_faces, "donor_faces");
+            const CornerValues given = to_values(values, "values");
+            const TransferMode mode = nearest ? TransferMode::nearest : TransferMode::barycentric;
+            const TransferredValues moved =
+                without_lock([&] { return transfer_point(correspondence, faces, given, mode); });
+            return py::make_tuple(to_numpy(moved.values), to_mask(moved.mask));
+        },
+        py::arg("face"), py::arg("barycentric"), py::arg("vertex"), py::arg("donor_faces"), py::arg("values"),
+        py::arg("nearest"));
+    m.def(
+        "uv_islands",
+        [](const IntArray& faces, const DoubleArray& values, double tolerance, const DoubleArray& vertices) {
+            const Triangles triangles = to_triangles(faces, "faces");
+            const CornerValues given = to_values(values, "corner values");
+            const Points points = to_points(vertices, "vertices");
+            return to_numpy(without_lock([&] { return uv_islands(triangles, given, tolerance, points); }));
+        },
+        py::arg("faces"), py::arg("values"), py::arg("tolerance"), py::arg("vertices"));
+    bind(m, "place_corners", &bound_place_corners);
+    bind(m, "transfer_corner_uv", &bound_transfer_corner_uv);
+}

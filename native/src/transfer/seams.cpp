@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "transfer/seams.h"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <utility>
+
+namespace isograft {
+
+namespace {
+
+// A half-edge with its ends in ascending order, so that both directions of an edge sort together.
+struct EdgeKey {
+    int low;
+    int high;
+    int half_edge;
+
+    bool operator<(const EdgeKey& other) const {
+        if (low != other.low) return low < other.low;
+        if (high != other.high) return high < other.high;
+        return half_edge < other.half_edge;
+    }
+};
+
+std::vector<EdgeKey> sorted_edges(const Triangles& faces) {
+    std::vector<EdgeKey> edges;
+    edges.reserve(3 * static_cast<std::size_t>(faces.rows()));
+    for (int f = 0; f < faces.rows(); ++f) {
+        for (int c = 0; c < 3; ++c) {
+            const auto [low, high] = std::minmax({faces(f, c), faces(f, (c + 1) % 3)});
+            // The collapsed edge of a degenerate triangle leads nowhere.
+            if (low != high) edges.push_back({low, high, 3 * f + c});
+        }
+    }
+    std::sort(edges.begin(), edges.end());
+    return edges;
+}
+
+// The corners of a half-edge at its lower and its higher vertex.
+std::pair<int, int> ends(const Triangles& faces, int half_edge) {
+    const int f = half_edge / 3;
+    const int from = half_edge % 3;
+    const int to = (from + 1) % 3;
+    return faces(f, from) < faces(f, to) ? std::pair(3 * f + from, 3 * f + to) : std::pair(3 * f + to, 3 * f + from);
+}
+
+bool agree(const CornerValues& values, double tolerance, int one, int other) {
+    return values.cols() == 0 || (values.row(one) - values.row(other)).cwiseAbs().maxCoeff() <= tolerance;
+}
+
+void number_islands(SeamGraph& graph) {
+    const int count = static_cast<int>(graph.has_seam.size());
+    graph.island = Eigen::VectorXi::Constant(count, -1);
+    int islands = 0;
+    std::vector<int> front;
+    for (int first = 0; first < count; ++first) {
+        if (graph.island[first] >= 0) continue;
+        graph.island[first] = islands;
+        front.assign(1, first);
+        while (!front.empty()) {
+            const int f = front.back();
+            front.pop_back();
+            for (int h = 3 * f; h < 3 * f + 3; ++h) {
+                for (int g = graph.next[h]; g != h; g = graph.next[g]) {
+                    if (graph.side[g] != graph.side[h] || graph.island[g / 3] >= 0) continue;
+                    graph.island[g / 3] = islands;
+                    front.push_back(g / 3);
+                }
+            }
+        }
+        ++islands;
+    }
+}
+
+}  // namespace
+
+Triangles weld(const Points& vertices, const Triangles& faces) {
+    if (vertices.rows() == 0) return faces;
+    std::vector<int> order(vertices.rows());
+    std::iota(order.begin(), order.end(), 0);
+    const auto place = [&](int v) { return std::array{vertices(v, 0), vertices(v, 1), vertices(v, 2)}; };
+    std::sort(order.begin(), order.end(), [&](int a, int b) {
+        const auto x = place(a);
+        const auto y = place(b);
+        return x != y ? x < y : a < b;
+    });
+    std::vector<int> first(order.size());
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        const bool same = i > 0 && place(order[i]) == place(order[i - 1]);
+        first[order[i]] = same ? first[order[i - 1]] : order[i];
+    }
+    return faces.unaryExpr([&](int v) { return first[v]; });
+}
+
+SeamGraph build_seam_graph(const Triangles& faces, const CornerValues& values, double tolerance) {
+    SeamGraph graph;
+    graph.next.resize(3 * faces.rows());
+    std::iota(graph.next.begin(), graph.next.end(), 0);
+    graph.side = graph.next;
+    graph.has_seam.assign(faces.rows(), 0);
+    const std::vector<EdgeKey> edges = sorted_edges(faces);
+    for (std::size_t from = 0, to = 0; from < edges.size(); from = to) {
+        while (to < edges.size() && edges[to].low == edges[from].low && edges[to].high == edges[from].high) ++to;
+        bool seam = false;
+        for (std::size_t i = from; i < to; ++i) {
+            const int h = edges[i].half_edge;
+            graph.next[h] = edges[i + 1 < to ? i + 1 : from].half_edge;
+            const auto [low, high] = ends(faces, h);
+            for (std::size_t j = from; j < i; ++j) {
+                const int g = edges[j].half_edge;
+                const auto [other_low, other_high] = ends(faces, g);
+                if (!agree(values, tolerance, low, other_low) || !agree(values, tolerance, high, other_high)) continue;
+                graph.side[h] = graph.side[g];
+                break;
+            }
+            seam = seam || graph.side[h] != graph.side[edges[from].half_edge];
+        }
+        for (std::size_t i = from; seam && i < to; ++i) graph.has_seam[edges[i].half_edge / 3] = 1;
+    }
+    number_islands(graph);
+    return graph;
+}
+
+}  // namespace isograft
