@@ -111,7 +111,7 @@ class OBJECT_OT_isograft_match(_DonorToReceivers, bpy.types.Operator):
         self._end(context)
 
     def _plan(self, context: bpy.types.Context) -> matching.Plan:
-        return matching.plan(*participants(context), context, properties.match_options(self))
+        return matching.plan(*participants(context), context, properties.match_options(self.properties))
 
     def _cancelled(self) -> set[str]:
         self.report({"WARNING"}, "Match cancelled, nothing was changed")

@@ -128,7 +128,7 @@ def available_presets() -> dict[str, tuple[str, str]]:
 
 
 def match_options(settings: Any) -> dict[str, Any]:
-    """Keyword arguments of isograft.match() for an operator's settings."""
+    """Keyword arguments of isograft.match() for the properties of an operator."""
     scale = {"AUTO": "auto", "FIXED": "fixed", "VALUE": settings.scale_value}[settings.scale]
     options: dict[str, Any] = {
         "preset": settings.preset,
