@@ -1,0 +1,14 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# The interface target isograft_flags: what every translation unit of this project is compiled with.
+#
+# No -march=native and no -ffast-math, and contraction off: the same input gives the same bits on every x86-64 machine.
+# Hidden visibility: newer Blenders load a Ceres of their own, and ours must not be mistaken for it.
+add_library(isograft_flags INTERFACE)
+target_compile_options(isograft_flags INTERFACE
+    -Wall -Wextra -ffp-contract=off -fvisibility=hidden -fvisibility-inlines-hidden)
+
+if(ISOGRAFT_SANITIZE)
+    target_compile_options(isograft_flags INTERFACE
+        -fsanitize=${ISOGRAFT_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer -g1)
+    target_link_options(isograft_flags INTERFACE -fsanitize=${ISOGRAFT_SANITIZE})
+endif()
