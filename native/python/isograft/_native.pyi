@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-class InvalidInput(ValueError): ...
-class ResourceLimit(MemoryError): ...
-class Cancelled(Exception): ...
+class InvalidInput(ValueError): ...  # noqa: N818  (names of the C++ classes)
+class ResourceLimit(MemoryError): ...  # noqa: N818
+class Cancelled(Exception): ...  # noqa: N818
 
 class Surface:
     def __init__(self, vertices: npt.NDArray[np.float64], faces: npt.NDArray[np.int32]) -> None: ...
@@ -96,6 +96,46 @@ def match(
     seed: int,
     progress: Callable[[str, float], Any] | None,
 ) -> Match: ...
-def geodesic_distances(
-    surface: Surface, face: int, barycentric: Sequence[float]
-) -> npt.NDArray[np.float64]: ...
+def geodesic_distances(surface: Surface, face: int, barycentric: Sequence[float]) -> npt.NDArray[np.float64]: ...
+def transfer_point(
+    face: npt.NDArray[np.int32],
+    barycentric: npt.NDArray[np.float64],
+    vertex: npt.NDArray[np.int32],
+    donor_faces: npt.NDArray[np.int32],
+    values: npt.NDArray[np.float64],
+    nearest: bool,
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.bool_]]: ...
+def uv_islands(
+    faces: npt.NDArray[np.int32],
+    values: npt.NDArray[np.float64],
+    tolerance: float,
+    vertices: npt.NDArray[np.float64],
+) -> npt.NDArray[np.int32]: ...
+def place_corners(
+    face: npt.NDArray[np.int32],
+    barycentric: npt.NDArray[np.float64],
+    vertex: npt.NDArray[np.int32],
+    receiver_vertices: npt.NDArray[np.float64],
+    receiver_faces: npt.NDArray[np.int32],
+    receiver_polygons: npt.NDArray[np.int32],
+    donor_vertices: npt.NDArray[np.float64],
+    donor_faces: npt.NDArray[np.int32],
+    donor_values: npt.NDArray[np.float64],
+    tolerance: float,
+    extrapolation: float,
+    threads: int,
+) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.float64], npt.NDArray[np.int32], npt.NDArray[np.bool_]]: ...
+def transfer_corner_uv(
+    face: npt.NDArray[np.int32],
+    barycentric: npt.NDArray[np.float64],
+    vertex: npt.NDArray[np.int32],
+    receiver_vertices: npt.NDArray[np.float64],
+    receiver_faces: npt.NDArray[np.int32],
+    receiver_polygons: npt.NDArray[np.int32],
+    donor_vertices: npt.NDArray[np.float64],
+    donor_faces: npt.NDArray[np.int32],
+    donor_values: npt.NDArray[np.float64],
+    tolerance: float,
+    extrapolation: float,
+    threads: int,
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.int32], npt.NDArray[np.bool_]]: ...

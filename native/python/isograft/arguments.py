@@ -79,7 +79,7 @@ def to_float(value: Any, name: str) -> float:
 
 
 def to_scale(scale: Any) -> tuple[str, float]:
-    """Mode and value of the scale: "auto", "fixed" (sigma = 1), or a positive number of target units per source unit."""
+    """Mode and value of the scale: "auto", "fixed" (sigma = 1), or a positive number."""
     if isinstance(scale, str):
         if scale not in ("auto", "fixed"):
             raise InvalidInput(f'scale must be "auto", "fixed" or a positive number, not {scale!r}')

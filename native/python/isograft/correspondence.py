@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -12,6 +13,7 @@ import numpy.typing as npt
 from isograft import _native
 from isograft.arguments import to_array
 from isograft.errors import InvalidInput
+from isograft.formats.npz import ARRAYS, read_npz, write_npz
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -100,16 +102,17 @@ class Correspondence:
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the arrays to an .npz file of the same names. An old file is replaced whole or not at all."""
-        from isograft.formats.maps import write_npz
-
-        write_npz(path, [self])
+        write_npz(path, [self.arrays()], self.target_size, "{}")
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Correspondence:
         """Read the best correspondence of an .npz file. Raises InvalidInput if it holds none."""
-        from isograft.formats.maps import read_npz
+        correspondences, target_size, _ = read_npz(path)
+        return cls(**correspondences[0], target_size=target_size)
 
-        return read_npz(path)[0][0]
+    def arrays(self) -> dict[str, npt.NDArray[Any]]:
+        """The arrays by name."""
+        return {name: getattr(self, name) for name in ARRAYS}
 
     def __len__(self) -> int:
         return len(self.face)

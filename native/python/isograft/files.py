@@ -13,7 +13,7 @@ from pathlib import Path
 
 from isograft.correspondence import Correspondence
 from isograft.errors import InvalidInput
-from isograft.formats.maps import read_corr, read_npz, write_corr, write_npz, write_ply
+from isograft.formats.maps import read_corr, write_corr, write_ply
 from isograft.formats.mesh import MeshFile
 from isograft.formats.obj import read_obj
 from isograft.formats.off import read_off
@@ -53,7 +53,7 @@ def write_map(path: str | os.PathLike[str], match: Match, source: MeshFile) -> N
     """
     suffix = Path(path).suffix.lower()
     if suffix == ".npz":
-        write_npz(path, [match.best, *match.alternatives], match.report)
+        match.save(path)
     elif suffix == ".corr":
         write_corr(path, match.best)
     elif suffix == ".ply":
@@ -72,7 +72,7 @@ def read_map(path: str | os.PathLike[str], target: Surface) -> Correspondence:
         return read_corr(path, target)
     if suffix != ".npz":
         raise InvalidInput(f"{path}: maps are read from .npz and .corr files")
-    best = read_npz(path)[0][0]
+    best = Correspondence.load(path)
     if best.target_size != len(target.vertices):
         raise InvalidInput(
             f"{path}: the map leads to a target of {best.target_size} vertices, this one has {len(target.vertices)}"

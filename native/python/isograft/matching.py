@@ -14,6 +14,7 @@ from isograft import _native
 from isograft.arguments import to_int, to_landmarks, to_scale
 from isograft.correspondence import Correspondence
 from isograft.errors import InvalidInput
+from isograft.formats.npz import read_npz, write_npz
 from isograft.presets import check_overrides, preset_options
 from isograft.report import Report
 from isograft.surface import as_surface
@@ -33,17 +34,19 @@ class Match:
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write an .npz: the best's arrays, the alternatives' as `alternative1_...`, and `report` (JSON text)."""
-        from isograft.formats.maps import write_npz
-
-        write_npz(path, [self.best, *self.alternatives], self.report)
+        everyone = [self.best, *self.alternatives]
+        write_npz(path, [one.arrays() for one in everyone], self.best.target_size, self.report.to_json())
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Match:
         """Read what save() wrote. Raises InvalidInput if the file holds something else."""
-        from isograft.formats.maps import read_npz
-
-        correspondences, report = read_npz(path)
-        return cls(correspondences[0], correspondences[1:], report or Report())
+        everyone, target_size, text = read_npz(path)
+        try:
+            report = Report.from_json("{}" if text is None else text)
+        except InvalidInput as error:
+            raise InvalidInput(f"{path}: {error}") from None
+        best, *alternatives = [Correspondence(**arrays, target_size=target_size) for arrays in everyone]
+        return cls(best, alternatives, report)
 
 
 def match(
@@ -89,7 +92,7 @@ def match(
     t = as_surface(target, "target")
     pairs = to_landmarks(landmarks, len(s.vertices), len(t.vertices))
 
-    native = _native.match(
+    found = _native.match(
         s.native,
         t.native,
         preset=preset,
@@ -101,6 +104,6 @@ def match(
         seed=seed_value,
         progress=progress,
     )
-    correspondences = [Correspondence.from_native(item, t.faces, len(t.vertices)) for item in native.correspondences]
-    report = Report.from_native(native.report, preset, seed_value, options)
+    correspondences = [Correspondence.from_native(item, t.faces, len(t.vertices)) for item in found.correspondences]
+    report = Report.from_native(found.report, preset, seed_value, options)
     return Match(correspondences[0], correspondences[1:], report)

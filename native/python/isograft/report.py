@@ -72,7 +72,7 @@ class Report:
 
     @classmethod
     def from_json(cls, text: str) -> Report:
-        """Read to_json()'s text; keys of later versions are passed over. Raises InvalidInput if it is something else."""
+        """Read to_json()'s text; later versions' keys are passed over. Raises InvalidInput if it is something else."""
         try:
             data = json.loads(text)
             known = {f.name for f in dataclasses.fields(cls)}

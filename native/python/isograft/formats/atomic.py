@@ -16,6 +16,7 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
     """A new file beside `path` that takes its place when the block ends, and is removed if the block raises."""
     target = Path(path)
     handle, name = tempfile.mkstemp(prefix=f".{target.name}.", suffix=".part", dir=target.parent)
+    part = Path(name)
     try:
         with os.fdopen(handle, "wb") as file:
             yield file
@@ -24,9 +25,9 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
         # mkstemp's mode is for the owner alone; a result gets what any new file would.
         mask = os.umask(0)
         os.umask(mask)
-        os.chmod(name, 0o666 & ~mask)
-        os.replace(name, target)
+        part.chmod(0o666 & ~mask)
+        part.replace(target)
     except BaseException:
         with suppress(FileNotFoundError):
-            os.unlink(name)
+            part.unlink()
         raise

@@ -1,98 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Correspondences in files: .npz (whole), .corr (SHREC'16), .ply (the source with attributes)."""
+"""Correspondences in the formats of others: .corr (SHREC'16) and .ply (the source with attributes)."""
 
 from __future__ import annotations
 
 import os
-import zipfile
-import zlib
-from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
 from isograft.correspondence import Correspondence, corners_of
-from isograft.errors import InvalidInput
 from isograft.formats.atomic import replacing
 from isograft.formats.mesh import MeshFile
 from isograft.formats.text import Lines
-from isograft.report import Report
 from isograft.surface import Surface
 
 PathLike = str | os.PathLike[str]
-
-_SHAPES: Mapping[str, tuple[type[np.generic], int]] = {
-    "face": (np.int32, 1), "barycentric": (np.float64, 3), "points": (np.float64, 3), "vertex": (np.int32, 1),
-    "confidence": (np.float64, 1), "stretch": (np.float64, 1), "region": (np.int32, 1), "corners": (np.int32, 3),
-}  # fmt: skip
-
-
-def write_npz(path: PathLike, correspondences: Sequence[Correspondence], report: Report | None = None) -> None:
-    """The first one's arrays by their names, the next ones' as `alternative1_...`, and `report` as JSON text.
-
-    `target_size` is the number of the target's vertices.
-    """
-    arrays: dict[str, npt.NDArray[np.generic]] = {}
-    for rank, correspondence in enumerate(correspondences):
-        prefix = f"alternative{rank}_" if rank else ""
-        for name in _SHAPES:
-            arrays[prefix + name] = getattr(correspondence, name)
-    arrays["target_size"] = np.int64(correspondences[0].target_size)  # type: ignore[assignment]
-    arrays["report"] = np.array((report or Report()).to_json())
-    with replacing(path) as file:
-        np.savez_compressed(file, **arrays)  # type: ignore[arg-type]
-
-
-def read_npz(path: PathLike) -> tuple[list[Correspondence], Report | None]:
-    """Best first. Raises InvalidInput naming the file and the array that is missing or malformed."""
-    try:
-        with np.load(path, allow_pickle=False) as file:
-            arrays = {name: file[name] for name in file.files}
-    except OSError:
-        raise
-    except (
-        ValueError,
-        EOFError,
-        KeyError,
-        AttributeError,
-        zipfile.BadZipFile,
-        zlib.error,
-        NotImplementedError,
-    ) as error:
-        raise InvalidInput(f"{path}: not a map written by isograft ({error})") from None
-    size = arrays.get("target_size")
-    if size is None or size.shape != () or size.dtype.kind not in "iu":
-        raise InvalidInput(f"{path}: not a map written by isograft (target_size is missing)")
-    correspondences = [_take(path, arrays, "", int(size))]
-    while f"alternative{len(correspondences)}_face" in arrays:
-        correspondences.append(_take(path, arrays, f"alternative{len(correspondences)}_", int(size)))
-    report = None
-    if "report" in arrays:
-        try:
-            report = Report.from_json(str(arrays["report"]))
-        except InvalidInput as error:
-            raise InvalidInput(f"{path}: {error}") from None
-    return correspondences, report
-
-
-def _take(path: PathLike, arrays: Mapping[str, npt.NDArray[np.generic]], prefix: str, size: int) -> Correspondence:
-    taken = {}
-    rows = None
-    for name, (dtype, columns) in _SHAPES.items():
-        array = arrays.get(prefix + name)
-        if array is None:
-            raise InvalidInput(f"{path}: the array {prefix + name} is missing")
-        rows = len(array) if rows is None and array.ndim else rows
-        shape = (rows,) if columns == 1 else (rows, columns)
-        if array.dtype != dtype or array.shape != shape:
-            raise InvalidInput(
-                f"{path}: {prefix + name} should be {np.dtype(dtype)} {shape}, and is {array.dtype} {array.shape}"
-            )
-        taken[name] = array
-    corners = taken["corners"]
-    if len(corners) and int(corners.max()) >= size:
-        raise InvalidInput(f"{path}: {prefix}corners names vertex {corners.max()}, the target has {size}")
-    return Correspondence(**taken, target_size=size)  # type: ignore[arg-type]
 
 
 def write_corr(path: PathLike, correspondence: Correspondence) -> None:
@@ -107,9 +30,8 @@ def write_corr(path: PathLike, correspondence: Correspondence) -> None:
 
 
 def read_corr(path: PathLike, target: Surface) -> Correspondence:
-    """Read what write_corr() wrote, for the target it was made for. Confidence is 1, stretch 0, region 0 if matched."""
-    with open(path, "rb") as file:
-        lines = Lines(os.fspath(path), file.read())
+    """Read what write_corr() wrote, for the target it was made for. Matched: confidence 1, stretch 0, region 0."""
+    lines = Lines(os.fspath(path), Path(path).read_bytes())
     table = lines.table(0, len(lines), "a triangle and three weights", 4)
     if table.shape[1] != 4:
         lines.fail(0, f"{table.shape[1]} numbers where a triangle and three weights are needed")

@@ -44,7 +44,7 @@ class Header:
     lines: int
 
 
-def read_header(path: str, data: bytes) -> Header:
+def read_header(path: str, data: bytes) -> Header:  # noqa: PLR0912  (one branch a keyword)
     """Raises InvalidInput naming the line."""
     elements: list[Element] = []
     order: str | None = None

@@ -91,9 +91,3 @@ def quoted(part: bytes) -> str:
     """A piece of a file, fit for a message."""
     text = part[:40].decode("ascii", "backslashreplace")
     return f'"{text}{"..." if len(part) > 40 else ""}"'
-
-
-def whole(values: npt.NDArray[np.float64]) -> npt.NDArray[np.bool_]:
-    """True where a number is whole and fits 32 bits."""
-    with np.errstate(invalid="ignore"):
-        return (values == np.floor(values)) & (np.abs(values) < 2**31)

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The .npz of a match: the arrays of its correspondences by name, and the report as JSON text."""
+
+from __future__ import annotations
+
+import os
+import zipfile
+import zlib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from isograft.errors import InvalidInput
+from isograft.formats.atomic import replacing
+
+PathLike = str | os.PathLike[str]
+Arrays = dict[str, npt.NDArray[Any]]
+
+#: Type and number of columns of every array of a correspondence.
+ARRAYS: Mapping[str, tuple[type[np.generic], int]] = {
+    "face": (np.int32, 1), "barycentric": (np.float64, 3), "points": (np.float64, 3), "vertex": (np.int32, 1),
+    "confidence": (np.float64, 1), "stretch": (np.float64, 1), "region": (np.int32, 1), "corners": (np.int32, 3),
+}  # fmt: skip
+
+
+def write_npz(path: PathLike, correspondences: Sequence[Arrays], target_size: int, report: str) -> None:
+    """The first one's arrays by their names, the next ones' as `alternative1_...`, `target_size` and `report`."""
+    arrays: Arrays = {"target_size": np.array(target_size, np.int64), "report": np.array(report)}
+    for rank, correspondence in enumerate(correspondences):
+        prefix = f"alternative{rank}_" if rank else ""
+        arrays.update({prefix + name: correspondence[name] for name in ARRAYS})
+    with replacing(path) as file:
+        np.savez_compressed(file, allow_pickle=False, **arrays)
+
+
+def read_npz(path: PathLike) -> tuple[list[Arrays], int, str | None]:
+    """What write_npz() was given. Raises InvalidInput naming the file and the array that is missing or malformed."""
+    with Path(path).open("rb") as raw:
+        if not zipfile.is_zipfile(raw):
+            raise InvalidInput(f"{path}: not an .npz file, or a truncated one")
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            arrays = {name: file[name] for name in file.files}
+    except (ValueError, EOFError, KeyError, zipfile.BadZipFile, zlib.error, NotImplementedError, MemoryError) as error:
+        raise InvalidInput(f"{path}: the file is damaged: {error}") from None
+    size = arrays.get("target_size")
+    if size is None or size.shape != () or size.dtype.kind not in "iu":
+        raise InvalidInput(f"{path}: not a map of isograft: target_size is missing")
+    correspondences = [_take(path, arrays, "", int(size))]
+    while f"alternative{len(correspondences)}_face" in arrays:
+        correspondences.append(_take(path, arrays, f"alternative{len(correspondences)}_", int(size)))
+    return correspondences, int(size), str(arrays["report"]) if "report" in arrays else None
+
+
+def _take(path: PathLike, arrays: Arrays, prefix: str, target_size: int) -> Arrays:
+    face = arrays.get(prefix + "face")
+    rows = len(face) if face is not None and face.ndim else 0
+    taken: Arrays = {}
+    for name, (dtype, columns) in ARRAYS.items():
+        array = arrays.get(prefix + name)
+        if array is None:
+            raise InvalidInput(f"{path}: the array {prefix + name} is missing")
+        shape = (rows,) if columns == 1 else (rows, columns)
+        if array.dtype != dtype or array.shape != shape:
+            raise InvalidInput(
+                f"{path}: {prefix + name} should be {np.dtype(dtype)} {shape}, and is {array.dtype} {array.shape}"
+            )
+        taken[name] = array
+    for name in ("corners", "vertex"):
+        if rows and not -1 <= taken[name].min() <= taken[name].max() < target_size:
+            raise InvalidInput(f"{path}: {prefix}{name} names a vertex that is none of the target's {target_size}")
+    if rows and (taken["face"].min() < -1 or (taken["corners"][taken["face"] >= 0] < 0).any()):
+        raise InvalidInput(f"{path}: {prefix}face and {prefix}corners contradict each other")
+    return taken
