@@ -67,7 +67,8 @@ Window::Window(const TriangleMesh& mesh)
 
 void Window::offer(int vertex, double distance, double angle, bool bent) {
     const bool known = has(vertex);
-    if (known && distance >= distance_[vertex] * (1.0 - 1e-9)) return;
+    // A gain beyond rounding counts: were it larger, the order of the triangles would decide between near ties.
+    if (known && distance >= distance_[vertex] * (1.0 - 1e-13)) return;
     if (!known) reached_.push_back(vertex);
     stamp_[vertex] = run_;
     distance_[vertex] = distance;
