@@ -13,7 +13,6 @@ import zipfile
 from pathlib import Path
 
 ADD_ON = Path(__file__).resolve().parent / "isograft_addon"
-DIST = ADD_ON.parents[1] / "dist"
 EPOCH = (1980, 1, 1, 0, 0, 0)
 
 
@@ -34,20 +33,6 @@ def add_on_version() -> str:
     if declared is None or declared[1] != version:
         sys.exit(f"package: bl_info has version {version}, blender_manifest.toml {declared and declared[1]}")
     return version
-
-
-def built_wheels(version: str) -> list[Path]:
-    """The newest wheel per Python in dist/.
-
-    Raises:
-        SystemExit: there is none of this version.
-    """
-    newest: dict[str, Path] = {}
-    for path in sorted(DIST.glob(f"isograft-{version}-*.whl"), key=lambda path: path.stat().st_mtime):
-        newest[path.name.split("-")[2]] = path
-    if not newest:
-        sys.exit(f"package: there is no wheel of version {version} in dist/; run scripts/wheel")
-    return sorted(newest.values())
 
 
 def contents(wheels: list[Path]) -> dict[str, bytes]:
@@ -89,15 +74,14 @@ def is_current(path: Path, files: dict[str, bytes]) -> bool:
 def main() -> None:
     """Pack, unless the zip is up to date, and print its path."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--wheel", type=Path, action="append", help="a wheel to pack instead of those in dist/")
-    parser.add_argument("--output", type=Path, default=DIST, help="folder of the zip")
+    parser.add_argument("--wheel", type=Path, action="append", required=True, help="one per supported Python")
+    parser.add_argument("--output", type=Path, required=True, help="folder of the zip")
     arguments = parser.parse_args()
     version = add_on_version()
-    wheels = arguments.wheel or built_wheels(version)
-    for wheel in wheels:
+    for wheel in arguments.wheel:
         if wheel.name.split("-")[:2] != ["isograft", version]:
             sys.exit(f"package: the add-on has version {version}, the wheel is {wheel.name}")
-    files = contents(wheels)
+    files = contents(arguments.wheel)
     arguments.output.mkdir(parents=True, exist_ok=True)
     path = arguments.output / f"{ADD_ON.name}-{version}.zip"
     if not is_current(path, files):

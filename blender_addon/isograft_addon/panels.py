@@ -52,12 +52,13 @@ class VIEW3D_PT_isograft(bpy.types.Panel):
         column.prop(settings, "seed")
         row = self.layout.row()
         row.scale_y = 1.4
-        properties.copy_settings(settings, row.operator("object.isograft_match", icon="SNAP_FACE"))
+        properties.copy_settings(settings, row.operator("object.isograft_match", icon="VIEWZOOM"))
 
     def _transfer(self, context: bpy.types.Context) -> None:
         settings = context.window_manager.isograft_transfer
         self.layout.separator()
         row = self.layout.row(align=True)
+        row.use_property_split = False
         row.prop(settings, "what", expand=True)
         column = self.layout.column()
         column.prop(settings, "min_confidence")

@@ -100,8 +100,8 @@ def transfer_settings() -> dict[str, Any]:
             name="What", description="What the receivers get", items=WHAT, options={"ENUM_FLAG"}, default={"UV"}
         ),
         "min_confidence": bpy.props.FloatProperty(
-            name="Min Confidence",
-            description="Vertices matched with less confidence count as unmatched",
+            name="Confidence",
+            description="Vertices matched with less confidence than this count as unmatched",
             default=0.0,
             min=0.0,
             max=1.0,

@@ -144,6 +144,13 @@ def test_another_version_that_is_loaded_already_is_refused(monkeypatch: pytest.M
         loader.load()
 
 
+@pytest.mark.skipif(not IS_EXTENSION, reason="Blender 3.4 knows no extensions")
+def test_blenders_own_validation_accepts_the_zip() -> None:
+    tool = next(Path(bpy.__file__).parent.rglob("blender_ext.py"))
+    done = subprocess.run([sys.executable, str(tool), "validate", str(ZIP)], capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
 @pytest.mark.skipif(not IS_EXTENSION, reason="the 3.4 lane is itself a legacy install")
 def test_the_same_zip_installs_as_a_legacy_add_on_here_too(tmp_path: Path) -> None:
     script = f"import os\nos.environ['BLENDER_USER_RESOURCES'] = {str(tmp_path)!r}\n"
