@@ -7,7 +7,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-
 from isograft import InvalidInput, Surface
 from isograft.evaluation import evaluate, load_truth, unfolded_distance
 

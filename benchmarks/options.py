@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command line, and the list of runs that it asks for."""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import json
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+#: Vertices of the larger surface up to which the peers are run.
+PEER_LIMIT = 15_000
+
+PEERS = ("nearest", "pyfm-zoomout")
+
+_COLUMNS = ("id", "collection", "source", "target", "gt_kind", "gt_file", "gt_bary", "gt_minus1", "category", "core")
+
+
+@dataclass(frozen=True)
+class Options:
+    data: Path
+    output: Path
+    pairs: list[dict[str, str]]
+    rotations: int
+    reverse: bool
+    peers: bool
+    only_peers: bool
+    threads: int | None
+    jobs: int
+    limit: float
+    repeats: int
+    samples: int
+    preset: str
+    overrides: dict[str, Any]
+
+    def described(self) -> dict[str, Any]:
+        """What a reader of the results must know to repeat them."""
+        names = (
+            "rotations",
+            "reverse",
+            "peers",
+            "threads",
+            "jobs",
+            "limit",
+            "repeats",
+            "samples",
+            "preset",
+            "overrides",
+        )
+        return {"pairs": len(self.pairs), **{name: getattr(self, name) for name in names}}
+
+
+def parse_options(arguments: list[str], root: Path) -> Options:
+    parser = argparse.ArgumentParser(
+        prog="scripts/benchmark",
+        description="Match pairs of surfaces whose true correspondence is known, and measure.",
+        epilog="A crash, an error or a timeout is a failed pair of coverage 0; it stops nothing.",
+    )
+    parser.add_argument("-o", "--output", metavar="DIR", type=Path, required=True, help="results.json and results.md")
+    parser.add_argument("--data", metavar="DIR", type=Path, help="with pairs.csv (default: ../shared/data, or "
+                        "the environment's ISOGRAFT_DATA)")  # fmt: skip
+    parser.add_argument("--core", action="store_true", help="only the smaller, balanced subset")
+    parser.add_argument("--category", metavar="C", action="append", default=[])
+    parser.add_argument("--collection", metavar="C", action="append", default=[])
+    parser.add_argument("--ids", metavar="A,B", action="append", default=[])
+    parser.add_argument("--reverse", action="store_true", help="match target to source, with the truth inverted")
+    parser.add_argument("--rotations", metavar="N", type=_count(0), default=0,
+                        help="repeat every pair N times with either shape moved and turned at random")  # fmt: skip
+    parser.add_argument("--peers", action="store_true",
+                        help=f"also nearest point and pyFM with ZoomOut, up to {PEER_LIMIT} vertices")  # fmt: skip
+    parser.add_argument("--only-peers", action="store_true", help="the peers without isograft")
+    parser.add_argument("--preset", default="default")
+    parser.add_argument("--set", metavar="STAGE_FIELD=VALUE", action="append", default=[], dest="overrides")
+    parser.add_argument("--threads", metavar="N", type=_count(1), help="of match() (default: the cores over --jobs)")
+    parser.add_argument("--jobs", metavar="N", type=_count(1), default=1,
+                        help="pairs at once; times are only comparable with 1 (default)")  # fmt: skip
+    parser.add_argument("--limit", metavar="SECONDS", type=float, default=1800.0, help="per pair (default: 1800)")
+    parser.add_argument("--repeats", metavar="N", type=_count(1), default=1, help="runs of match() for the median time")
+    parser.add_argument("--samples", metavar="N", type=_count(1), default=250, help="vertices measured per pair")
+    given = parser.parse_args(arguments)
+
+    data = given.data or Path(os.environ.get("ISOGRAFT_DATA") or root.parent / "shared" / "data")
+    listing = data / "pairs.csv"
+    if not listing.is_file():
+        parser.error(f"{listing} does not exist; name the folder with --data")
+    pairs = _choose(_read(listing, parser), given, parser)
+    threads = given.threads
+    if threads is None and given.jobs > 1:
+        threads = max(1, (os.cpu_count() or 1) // given.jobs)
+    return Options(
+        data=data,
+        output=given.output,
+        pairs=pairs,
+        rotations=given.rotations,
+        reverse=given.reverse,
+        peers=given.peers or given.only_peers,
+        only_peers=given.only_peers,
+        threads=threads,
+        jobs=given.jobs,
+        limit=given.limit,
+        repeats=given.repeats,
+        samples=given.samples,
+        preset=given.preset,
+        overrides=_overrides(given.overrides, parser),
+    )
+
+
+def requests_of(options: Options) -> list[dict[str, Any]]:
+    """One request per process: plain data, as children.run_child() hands it on."""
+    requests = []
+    for pair in options.pairs:
+        common = {
+            "data": str(options.data),
+            "pair": pair,
+            "reverse": options.reverse,
+            "threads": options.threads,
+            "samples": options.samples,
+            "repeats": options.repeats,
+            "preset": options.preset,
+            "overrides": options.overrides,
+            "peer_limit": PEER_LIMIT,
+        }
+        if not options.only_peers:
+            requests += [{**common, "method": "isograft", "rotation": k} for k in range(options.rotations + 1)]
+        if options.peers:
+            requests += [{**common, "method": peer, "rotation": 0, "repeats": 1} for peer in PEERS]
+    return requests
+
+
+def _count(least: int) -> Any:
+    def count(text: str) -> int:
+        value = int(text)
+        if value < least:
+            raise argparse.ArgumentTypeError(f"at least {least}, not {value}")
+        return value
+
+    return count
+
+
+def _read(listing: Path, parser: argparse.ArgumentParser) -> list[dict[str, str]]:
+    with open(listing, newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    missing = set(_COLUMNS) - set(rows[0] if rows else ())
+    if missing:
+        parser.error(f"{listing} lacks the columns {', '.join(sorted(missing))}")
+    return [{name: row[name] or "" for name in _COLUMNS} for row in rows]
+
+
+def _choose(
+    pairs: list[dict[str, str]], given: argparse.Namespace, parser: argparse.ArgumentParser
+) -> list[dict[str, str]]:
+    ids = [name for part in given.ids for name in part.split(",") if name]
+    for what, wanted, known in (
+        ("id", ids, {pair["id"] for pair in pairs}),
+        ("category", given.category, {pair["category"] for pair in pairs}),
+        ("collection", given.collection, {pair["collection"] for pair in pairs}),
+    ):
+        unknown = [name for name in wanted if name not in known]
+        if unknown:
+            parser.error(f"no pair has the {what} {unknown[0]!r}; there are {', '.join(sorted(known))}")
+    chosen = [
+        pair
+        for pair in pairs
+        if (not ids or pair["id"] in ids)
+        and (not given.core or pair["core"] == "1")
+        and (not given.category or pair["category"] in given.category)
+        and (not given.collection or pair["collection"] in given.collection)
+    ]
+    if not chosen:
+        parser.error("no pair fits all of these choices")
+    return chosen
+
+
+def _overrides(texts: list[str], parser: argparse.ArgumentParser) -> dict[str, Any]:
+    values: dict[str, Any] = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        try:
+            if not equals:
+                raise ValueError
+            values[name] = json.loads(value)
+        except ValueError:
+            parser.error(f"--set {text}: write STAGE_FIELD=VALUE with a number, true or false")
+    return values
