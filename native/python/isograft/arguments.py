@@ -124,7 +124,9 @@ def _zip_landmarks(landmarks: Mapping[str, Any]) -> npt.NDArray[np.int32]:
         raise InvalidInput(f'landmarks must have the keys "source" and "target", not {sorted(map(str, landmarks))}')
     sides = []
     for side in ("source", "target"):
-        array = np.asarray(landmarks[side] if len(landmarks[side]) else np.empty(0, np.int32))
+        array = to_array(landmarks[side], f"landmarks of the {side}")
+        if array.shape == (0,):  # an empty list has no dtype of its own
+            array = array.astype(np.int32)
         if array.ndim != 1:
             raise InvalidInput(f"landmarks of the {side} must be a list of vertex indices, not shape {array.shape}")
         sides.append(to_indices(array.reshape(-1, 1), f"landmarks of the {side}", 1))
