@@ -113,7 +113,8 @@ def _images(truth: Truth, target: Shape) -> Floats:
     if truth.face is None:
         assert truth.vertex is not None
         return target[0][truth.vertex]
-    assert truth.weights is not None and target[1] is not None
+    assert truth.weights is not None
+    assert target[1] is not None
     return np.asarray(np.einsum("ij,ijk->ik", truth.weights, target[0][target[1][truth.face]]))
 
 
@@ -122,7 +123,8 @@ def _dominant(truth: Truth, target: Shape) -> npt.NDArray[np.int64]:
     if truth.face is None:
         assert truth.vertex is not None
         return truth.vertex
-    assert truth.weights is not None and target[1] is not None
+    assert truth.weights is not None
+    assert target[1] is not None
     corner = target[1][truth.face, np.argmax(truth.weights, axis=1)]
     return np.where(truth.face >= 0, corner, -1)
 

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import signal
@@ -42,7 +43,7 @@ def run_child(request: Row, limit: float, logs: Path) -> Row:
         "status": "failed",
         "reason": None,
     }
-    with tempfile.TemporaryDirectory() as folder, open(logs / f"{name}.log", "wb") as log:
+    with tempfile.TemporaryDirectory() as folder, (logs / f"{name}.log").open("wb") as log:
         answer = Path(folder) / "row.json"
         started = time.perf_counter()
         code, peak, timed_out = _wait([sys.executable, "-m", "benchmarks.child", str(answer)], request, limit, log)
@@ -52,10 +53,7 @@ def run_child(request: Row, limit: float, logs: Path) -> Row:
             return {**row, "reason": f"over the limit of {limit:g} s"}
         if code == 0 and answer.is_file():
             return {**row, **json.loads(answer.read_text(encoding="utf-8"))}
-    if code < 0:
-        reason = f"crashed: {signal.Signals(-code).name}"
-    else:
-        reason = f"ended with code {code} and no result"
+    reason = f"crashed: {signal.Signals(-code).name}" if code < 0 else f"ended with code {code} and no result"
     return {**row, "reason": f"{reason} (see logs/{name}.log)"}
 
 
@@ -117,7 +115,5 @@ def _wait(command: list[str], request: Row, limit: float, log: Any) -> tuple[int
 
 
 def _kill(child: subprocess.Popen[bytes]) -> None:
-    try:
+    with contextlib.suppress(ProcessLookupError):
         os.killpg(child.pid, signal.SIGKILL)
-    except ProcessLookupError:
-        pass

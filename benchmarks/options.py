@@ -141,7 +141,7 @@ def _count(least: int) -> Any:
 
 
 def _read(listing: Path, parser: argparse.ArgumentParser) -> list[dict[str, str]]:
-    with open(listing, newline="", encoding="utf-8") as file:
+    with listing.open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     missing = set(_COLUMNS) - set(rows[0] if rows else ())
     if missing:

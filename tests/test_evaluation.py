@@ -201,7 +201,8 @@ def test_nothing_matched_is_coverage_zero_and_no_error():
     target = strip(3, 3)
     result = evaluate(to_vertices(target, [-1] * 16), np.arange(16), target, unmatched_is_truth=True)
     assert (result.coverage, result.overlap_iou, len(result.sample)) == (0.0, 0.0, 0)
-    assert np.isnan(result.error) and np.isnan(result.false_matches)
+    assert np.isnan(result.error)
+    assert np.isnan(result.false_matches)
     assert result.to_dict()["error"] is None
 
 
@@ -313,7 +314,7 @@ def test_a_truth_of_triangles_is_refused_where_its_arrays_are_wrong(tmp_path):
 def test_arrays_that_do_not_fit_are_refused():
     target = strip(3, 3)
     whole = to_vertices(target, np.arange(16))
-    with pytest.raises(InvalidInput, match="15 rows.*has 16"):
+    with pytest.raises(InvalidInput, match=r"15 rows.*has 16"):
         evaluate(whole, np.arange(15), target)
     with pytest.raises(InvalidInput, match="row 15 is vertex 16, but the target has 16"):
         evaluate(whole, np.append(np.arange(15), 16), target)

@@ -6,6 +6,7 @@ from __future__ import annotations
 import os
 import zipfile
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -60,8 +61,7 @@ def load_truth(path: str | os.PathLike[str]) -> Truth:
                 if missing:
                     raise InvalidInput(f"{name}: the truth needs the arrays tri and w; it has {sorted(arrays.files)}")
                 return as_truth((arrays["tri"], arrays["w"]), where=name)
-        with open(path, encoding="utf-8") as file:
-            lines = file.read().split("\n")
+        lines = Path(path).read_text(encoding="utf-8").split("\n")
     except InvalidInput:
         raise
     except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
