@@ -26,19 +26,7 @@ from benchmarks.closest_point import closest_points  # noqa: E402
 from benchmarks.methods import find  # noqa: E402
 from benchmarks.results import summarise  # noqa: E402
 
-COLUMNS = [
-    "id",
-    "collection",
-    "source",
-    "target",
-    "gt_kind",
-    "gt_file",
-    "gt_bary",
-    "gt_minus1",
-    "category",
-    "core",
-    "notes",
-]
+COLUMNS = ["id", "collection", "source", "target", "gt_kind", "gt_file", "gt_bary", "gt_minus1", "category", "core"]
 
 
 def write_off(path, vertices, faces):
