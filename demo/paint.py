@@ -11,6 +11,7 @@ from demo.implicit import Array, Shape
 LABELS = ["horn", "plate", "claw", "eye", "knob", "body"]
 BACK, FLANK, BELLY = (0.025, 0.115, 0.135), (0.06, 0.30, 0.27), (0.80, 0.58, 0.30)
 STRIPE, BONE, HORN_DARK = (0.012, 0.03, 0.045), (0.83, 0.72, 0.52), (0.16, 0.09, 0.05)
+KNOB, KNOB_RIM = (0.60, 0.36, 0.13), (0.13, 0.055, 0.03)
 FLAME, EMBER, CLAW, EYE = (0.86, 0.17, 0.03), (0.95, 0.55, 0.08), (0.03, 0.025, 0.03), (0.95, 0.66, 0.05)
 
 
@@ -95,7 +96,7 @@ def paint(shape: Shape, points: Array, normals: Array, crevice: Array) -> tuple[
     colour, height = _skin(points, normals)
     forward, up = -points[:, 1], points[:, 2]
     knob = ramp(lead[:, 4], 0.0, 0.015)
-    colour = mix(colour, np.array(BONE) * 0.55, 0.8 * knob * ramp(crevice, 0.5, 0.9))
+    colour = mix(colour, mix(np.tile(KNOB_RIM, (len(points), 1)), KNOB, ramp(lead[:, 4], 0.01, 0.035)), 0.9 * knob)
     plate = ramp(lead[:, 1], 0.0, 0.03)
     tip = ramp(up - np.interp(forward, (-1.9, -0.9, 0.1, 0.6, 0.95), (0.9, 1.34, 1.46, 1.58, 1.58)), 0.0, 0.24)
     veins = ramp(np.sin(2 * np.pi * (forward + 0.3 * up) / 0.07 + 2 * swirl(points, 0.3, 9)), 0.2, 0.9)
