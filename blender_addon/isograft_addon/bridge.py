@@ -18,7 +18,7 @@ PROPERTY = "isograft"
 """Name of the id property that tells what a receiver was matched with."""
 
 
-class Refused(Exception):
+class RefusedError(Exception):
     """An object cannot take part; the text names it and says what to do."""
 
 
@@ -79,7 +79,7 @@ def read_donor(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> MeshArr
     """The evaluated mesh: modifiers and shape keys applied.
 
     Raises:
-        Refused: no faces, or a scale of zero.
+        RefusedError: no faces, or a scale of zero.
     """
     with _Evaluated(obj, depsgraph) as mesh:
         return _read(obj, mesh, mesh, [])
@@ -89,7 +89,7 @@ def read_receiver(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Mesh
     """The faces of the object's own mesh; its vertices evaluated while modifiers keep their number.
 
     Raises:
-        Refused: no faces, a scale of zero, or a mesh that may not be written.
+        RefusedError: no faces, a scale of zero, or a mesh that may not be written.
     """
     refuse_unwritable(obj)
     with _Evaluated(obj, depsgraph) as mesh:
@@ -100,12 +100,14 @@ def read_receiver(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Mesh
 
 
 def refuse_unwritable(obj: bpy.types.Object) -> None:
-    """Raises Refused if the object's mesh is linked from a library or shared with other objects."""
+    """Raises RefusedError if the object's mesh is linked from a library or shared with other objects."""
     mesh = obj.data
     if obj.library is not None or mesh.library is not None or obj.override_library is not None:
-        raise Refused(f"{obj.name} is linked from another file; make it local first (Object > Relations > Make Local)")
+        raise RefusedError(
+            f"{obj.name} is linked from another file; make it local first (Object > Relations > Make Local)"
+        )
     if mesh.users - int(mesh.use_fake_user) > 1:
-        raise Refused(
+        raise RefusedError(
             f"{obj.name} shares its mesh with another object; make it single user first "
             "(Object > Relations > Make Single User > Object & Data)"
         )
@@ -229,12 +231,10 @@ class _Evaluated:
         self._object.to_mesh_clear()
 
 
-def _read(
-    obj: bpy.types.Object, faces: bpy.types.Mesh, positions: bpy.types.Mesh, warnings: list[str]
-) -> MeshArrays:
+def _read(obj: bpy.types.Object, faces: bpy.types.Mesh, positions: bpy.types.Mesh, warnings: list[str]) -> MeshArrays:
     faces.calc_loop_triangles()
     if not len(faces.loop_triangles):
-        raise Refused(f"{obj.name} has no faces; take a mesh with faces")
+        raise RefusedError(f"{obj.name} has no faces; take a mesh with faces")
     sizes = _get(faces.polygons, "loop_total", np.int32)
     starts = _get(faces.polygons, "loop_start", np.int32)
     # Polygons need not lie in the order of their loops.
@@ -261,9 +261,9 @@ def _positions(mesh: bpy.types.Mesh) -> Array:
 def _linear_part(obj: bpy.types.Object) -> Array:
     """Scale and shear of the object's world matrix: M = Q L, Q the nearest rotation, det L of the sign of det M."""
     matrix = np.array(obj.matrix_world.to_3x3(), dtype=np.float64)
-    u, stretch, v = np.linalg.svd(matrix)
+    _, stretch, v = np.linalg.svd(matrix)
     if not np.all(np.isfinite(stretch)) or stretch.min() <= 1e-9 * max(stretch.max(), 1e-30):
-        raise Refused(f"{obj.name} is scaled to nothing along an axis; apply or reset its scale (Ctrl A)")
+        raise RefusedError(f"{obj.name} is scaled to nothing along an axis; apply or reset its scale (Ctrl A)")
     if np.allclose(stretch, stretch[0], rtol=1e-5):
         # So that a rotation does not disturb a single bit of the shape.
         scale = 1.0 if abs(stretch[0] - 1.0) < 1e-5 else stretch[0]

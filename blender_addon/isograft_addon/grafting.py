@@ -9,7 +9,7 @@ import numpy as np
 from isograft import transfer
 
 from . import bridge, matching
-from .bridge import Array, CornerLayer, MeshArrays, Refused
+from .bridge import Array, CornerLayer, MeshArrays, RefusedError
 from .matching import Messages
 
 MAX_UV_LAYERS = 8
@@ -79,18 +79,18 @@ def prepare(donor: Any, receivers: list[Any], context: bpy.types.Context, settin
     """Compute what every receiver gets; changes nothing.
 
     Raises:
-        Refused: the donor lacks what is asked for, or a receiver's match is missing or no longer fits.
+        RefusedError: the donor lacks what is asked for, or a receiver's match is missing or no longer fits.
     """
     if not settings.what:
-        raise Refused("Nothing to transfer; choose UV maps, colours or both")
+        raise RefusedError("Nothing to transfer; choose UV maps, colours or both")
     depsgraph = context.evaluated_depsgraph_get()
     donor_arrays = bridge.read_donor(donor, depsgraph)
     uv_layers = bridge.read_uv_layers(donor, depsgraph) if "UV" in settings.what else []
     colors = bridge.read_colors(donor, depsgraph) if "COLOR" in settings.what else []
     if "UV" in settings.what and not uv_layers:
-        raise Refused(f"{donor.name} has no UV map; unwrap it first, or choose colours only")
+        raise RefusedError(f"{donor.name} has no UV map; unwrap it first, or choose colours only")
     if "COLOR" in settings.what and not colors:
-        raise Refused(f"{donor.name} has no colour attribute; paint one first, or choose UV maps only")
+        raise RefusedError(f"{donor.name} has no colour attribute; paint one first, or choose UV maps only")
     materials = [slot.material for slot in donor.material_slots]
     link = bool(uv_layers) and settings.link_materials and any(materials)
     polygon_materials = bridge.read_polygon_materials(donor, depsgraph) if link else None
@@ -104,14 +104,16 @@ def prepare(donor: Any, receivers: list[Any], context: bpy.types.Context, settin
 def _pair(obj: Any, donor: Any, donor_arrays: MeshArrays, depsgraph: Any, settings: Settings) -> _Pair:
     content = bridge.read_property(obj)
     if content is None:
-        raise Refused(f"{obj.name} has no match; run Match with {donor.name} as the active object first")
+        raise RefusedError(f"{obj.name} has no match; run Match with {donor.name} as the active object first")
     arrays = bridge.read_receiver(obj, depsgraph)
     if content.get("donor_hash") != donor_arrays.content_hash:
         if content.get("donor") != donor.name:
-            raise Refused(f"{obj.name} was matched to {content.get('donor')}, not to {donor.name}; run Match again")
-        raise Refused(f"{donor.name} was edited after {obj.name} was matched to it; run Match again")
+            raise RefusedError(
+                f"{obj.name} was matched to {content.get('donor')}, not to {donor.name}; run Match again"
+            )
+        raise RefusedError(f"{donor.name} was edited after {obj.name} was matched to it; run Match again")
     if content.get("receiver_hash") != arrays.content_hash:
-        raise Refused(f"{obj.name} was edited after it was matched; run Match again")
+        raise RefusedError(f"{obj.name} was edited after it was matched; run Match again")
     correspondence = matching.read_correspondence(obj, donor_arrays, settings.min_confidence)
     return _Pair(obj, obj.name, arrays, donor_arrays, correspondence)
 
@@ -138,7 +140,7 @@ def _graft(
         name = _name(layer.name, taken, settings.overwrite)
         graft.uv_layers.append(CornerLayer(name, "CORNER", "UV", pair.to_loops(moved.uv, moved.mask), layer.is_render))
     if len(taken) > MAX_UV_LAYERS:
-        raise Refused(f"{pair.name} would get more than {MAX_UV_LAYERS} UV maps; remove some, or choose Overwrite")
+        raise RefusedError(f"{pair.name} would get more than {MAX_UV_LAYERS} UV maps; remove some, or choose Overwrite")
     taken = {attribute.name for attribute in pair.receiver.data.attributes}
     for layer in colors:
         name = _name(layer.name, taken, settings.overwrite)

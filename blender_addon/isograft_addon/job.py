@@ -25,7 +25,7 @@ class Task:
     options: dict[str, Any]
 
 
-class ReceiverFailed(Exception):
+class ReceiverError(Exception):
     """Matching one object failed; the text names it. The cause is the engine's error."""
 
 
@@ -72,7 +72,7 @@ class Job:
         """One isograft.Match per receiver, in order, after the run has ended.
 
         Raises:
-            ReceiverFailed: the input was refused; isograft.Cancelled: cancel() was called.
+            ReceiverError: the input was refused; isograft.Cancelled: cancel() was called.
         """
         if self._error is not None:
             raise self._error
@@ -91,18 +91,16 @@ class Job:
         try:
             donor = isograft.Surface(*task.donor)
         except (isograft.InvalidInput, isograft.ResourceLimit) as error:
-            raise ReceiverFailed(f"{task.donor_name}: {error}") from error
+            raise ReceiverError(f"{task.donor_name}: {error}") from error
         results = []
         for index, (name, arrays) in enumerate(task.receivers):
             if self._cancelled.is_set():
                 raise isograft.Cancelled("cancelled by the caller")
             try:
                 receiver = isograft.Surface(*arrays)
-                results.append(
-                    isograft.match(receiver, donor, progress=self._progress_of(index, name), **task.options)
-                )
+                results.append(isograft.match(receiver, donor, progress=self._progress_of(index, name), **task.options))
             except (isograft.InvalidInput, isograft.ResourceLimit) as error:
-                raise ReceiverFailed(f"{name}: {error}") from error
+                raise ReceiverError(f"{name}: {error}") from error
         self._state = ("done", 1.0)
         return results
 

@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 
 from . import bridge
-from .bridge import Array, MeshArrays, Refused
+from .bridge import Array, MeshArrays, RefusedError
 from .job import Task
 from .native_loader import add_on_version
 
@@ -49,7 +49,7 @@ class Plan:
         """Write one match per receiver and say what was found.
 
         Raises:
-            Refused: an object was removed or changed while the match ran; nothing is written.
+            RefusedError: an object was removed or changed while the match ran; nothing is written.
         """
         depsgraph = bpy.context.evaluated_depsgraph_get()
         _unchanged(self.donor_name, self.donor, bridge.read_donor, depsgraph)
@@ -93,7 +93,7 @@ def plan(donor: Any, receivers: list[Any], context: bpy.types.Context, options: 
     """Read everything a match needs.
 
     Raises:
-        Refused: an object cannot take part.
+        RefusedError: an object cannot take part.
     """
     depsgraph = context.evaluated_depsgraph_get()
     return Plan(
@@ -125,18 +125,18 @@ def read_correspondence(obj: Any, donor: MeshArrays, min_confidence: float) -> S
     """The face, barycentric and vertex arrays that a match has left on `obj`, in the donor's loop triangles.
 
     Raises:
-        Refused: there are none, or they do not fit.
+        RefusedError: there are none, or they do not fit.
     """
     read = {name: bridge.read_attribute(obj, name, data_type) for name, data_type in ATTRIBUTES.items()}
     face, weights, vertex, confidence = (
         read[name] for name in ("isograft_face", "isograft_weights", "isograft_vertex", "isograft_confidence")
     )
     if face is None or weights is None or vertex is None or confidence is None:
-        raise Refused(f"{obj.name}: attributes of its match are missing or were replaced; run Match again")
+        raise RefusedError(f"{obj.name}: attributes of its match are missing or were replaced; run Match again")
     matched = (face >= 0) & (confidence >= min_confidence)
     total = weights.sum(axis=1, dtype=np.float64)
     if face.max(initial=-1) >= len(donor.triangles) or np.any(np.abs(total[matched] - 1.0) > 1e-3):
-        raise Refused(f"{obj.name}: the attributes of its match were edited; run Match again")
+        raise RefusedError(f"{obj.name}: the attributes of its match were edited; run Match again")
     return SimpleNamespace(
         face=np.where(matched, face, -1).astype(np.int32),
         barycentric=weights.astype(np.float64) / np.where(matched, total, 1.0)[:, None],
@@ -148,7 +148,7 @@ def _unchanged(name: str, before: MeshArrays, read: Any, depsgraph: bpy.types.De
     """The object called `name`, if it still is what was read before."""
     obj = bpy.data.objects.get(name)
     if obj is None or obj.type != "MESH":
-        raise Refused(f"{name} was removed or renamed while the match ran; nothing was written")
+        raise RefusedError(f"{name} was removed or renamed while the match ran; nothing was written")
     if read(obj, depsgraph).content_hash != before.content_hash:
-        raise Refused(f"{name} was edited while the match ran; nothing was written, run Match again")
+        raise RefusedError(f"{name} was edited while the match ran; nothing was written, run Match again")
     return obj

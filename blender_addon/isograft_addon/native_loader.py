@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Makes the package `isograft` importable from the wheels inside the add-on.
 
-As an extension Blender has installed the wheel already. A legacy add-on has no such mechanism: the wheel for the running
-Python is unpacked into a folder of the user's, keyed by version and content, never into the add-on's own folder.
+As an extension Blender has installed the wheel already. A legacy add-on has no such mechanism: the wheel for the
+running Python is unpacked into a folder of the user's, keyed by version and content, never into the add-on itself.
 """
 
 import hashlib
@@ -21,7 +21,7 @@ import bpy
 _WHEEL_NAME = re.compile(r"isograft-(?P<version>[^-]+)-(?P<python>[^-]+)-(?P<abi>[^-]+)-(?P<platform>[^-]+)\.whl")
 
 
-class NativeUnavailable(RuntimeError):
+class NativeUnavailableError(RuntimeError):
     """The native package cannot be loaded; the text says why and what to do."""
 
 
@@ -29,7 +29,7 @@ def load() -> None:
     """Make `import isograft` work, with the version this add-on was packed with.
 
     Raises:
-        NativeUnavailable: no wheel for this Python or system, or another version is loaded already.
+        NativeUnavailableError: no wheel for this Python or system, or another version is loaded already.
     """
     if not is_extension():
         path = str(unpack(matching_wheel(Path(__file__).parent / "wheels"), user_folder()))
@@ -38,13 +38,13 @@ def load() -> None:
             sys.path.insert(0, path)
         importlib.invalidate_caches()
     try:
-        import isograft
+        import isograft  # noqa: PLC0415 - only now can it be found
     except ImportError as error:
-        raise NativeUnavailable(
+        raise NativeUnavailableError(
             f"Isograft: the native package does not load ({error}); install the add-on again from its zip"
         ) from error
     if isograft.__version__ != add_on_version():
-        raise NativeUnavailable(
+        raise NativeUnavailableError(
             f"Isograft: version {isograft.__version__} of the native package is loaded, this add-on needs "
             f"{add_on_version()}; restart Blender"
         )
@@ -54,8 +54,8 @@ def unload() -> None:
     """Take the unpacked folder off the import path. A loaded native module stays loaded until Blender ends."""
     if is_extension():
         return
-    folder = str(user_folder())
-    sys.path[:] = [path for path in sys.path if os.path.dirname(path) != folder]
+    folder = user_folder()
+    sys.path[:] = [path for path in sys.path if Path(path).parent != folder]
 
 
 def is_extension() -> bool:
@@ -78,7 +78,7 @@ def matching_wheel(folder: Path) -> Path:
     """The wheel in `folder` for the running Python and system.
 
     Raises:
-        NativeUnavailable: there is none; the text lists the Pythons that there are wheels for.
+        NativeUnavailableError: there is none; the text lists the Pythons that there are wheels for.
     """
     python = f"cp{sys.version_info.major}{sys.version_info.minor}"
     found = [match for path in sorted(folder.glob("*.whl")) if (match := _WHEEL_NAME.fullmatch(path.name))]
@@ -86,7 +86,7 @@ def matching_wheel(folder: Path) -> Path:
         if match["python"] == python and _runs_here(match["platform"]):
             return folder / match.string
     have = ", ".join(f"Python {m['python'][2]}.{m['python'][3:]} on {m['platform']}" for m in found) or "none"
-    raise NativeUnavailable(
+    raise NativeUnavailableError(
         f"Isograft: this zip has no native package for Python {sys.version_info.major}.{sys.version_info.minor} on "
         f"{sys.platform}; it has: {have}. Take a Blender with one of these, or a zip that has yours"
     )
@@ -121,5 +121,7 @@ def _runs_here(platform_tag: str) -> bool:
     if sys.platform.startswith("linux"):
         return "linux" in platform_tag and os.uname().machine in platform_tag
     if sys.platform == "darwin":
-        return platform_tag.startswith("macosx") and (os.uname().machine in platform_tag or "universal2" in platform_tag)
+        return platform_tag.startswith("macosx") and (
+            os.uname().machine in platform_tag or "universal2" in platform_tag
+        )
     return platform_tag == "win_amd64"

@@ -7,7 +7,7 @@ import bpy
 import isograft
 
 from . import bridge, grafting, matching, properties
-from .job import Job, ReceiverFailed
+from .job import Job, ReceiverError
 
 TICK = 0.1
 """Seconds between two looks at a running job."""
@@ -67,7 +67,7 @@ class OBJECT_OT_isograft_match(_DonorToReceivers, bpy.types.Operator):
             return self.tell(plan.write(Job(plan.task()).run()))
         except isograft.Cancelled:
             return self._cancelled()
-        except (bridge.Refused, ReceiverFailed) as error:
+        except (bridge.RefusedError, ReceiverError) as error:
             return self.fail(error)
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
@@ -76,7 +76,7 @@ class OBJECT_OT_isograft_match(_DonorToReceivers, bpy.types.Operator):
             return self.execute(context)
         try:
             self._running = self._plan(context)
-        except bridge.Refused as error:
+        except bridge.RefusedError as error:
             return self.fail(error)
         self._job = Job(self._running.task())
         self._job.start()
@@ -101,7 +101,7 @@ class OBJECT_OT_isograft_match(_DonorToReceivers, bpy.types.Operator):
             return self.tell(self._running.write(self._job.result()))
         except isograft.Cancelled:
             return self._cancelled()
-        except (bridge.Refused, ReceiverFailed) as error:
+        except (bridge.RefusedError, ReceiverError) as error:
             return self.fail(error)
 
     def cancel(self, context: bpy.types.Context) -> None:
@@ -140,7 +140,7 @@ class OBJECT_OT_isograft_transfer(_DonorToReceivers, bpy.types.Operator):
         try:
             settings = grafting.Settings(self.what, self.min_confidence, self.overwrite, self.link_materials)
             grafts = grafting.prepare(donor, receivers, context, settings)
-        except (bridge.Refused, isograft.InvalidInput, isograft.ResourceLimit) as error:
+        except (bridge.RefusedError, isograft.InvalidInput, isograft.ResourceLimit) as error:
             return self.fail(error)
         return self.tell([message for graft in grafts for message in graft.write()])
 

@@ -5,6 +5,7 @@ import inspect
 from typing import Any
 
 import bpy
+import isograft
 
 PRESETS = {
     "fast": ("Fast", "Coarser and quicker"),
@@ -41,8 +42,6 @@ _OVERRIDES = {
 
 def native_defaults() -> dict[str, Any]:
     """Defaults of isograft.match() and of the options of its default preset, by name."""
-    import isograft
-
     parameters = inspect.signature(isograft.match).parameters
     defaults = {name: parameters[name].default for name in ("preset", "scale", "threads", "seed")}
     options = isograft.preset_options(defaults["preset"])
@@ -122,8 +121,6 @@ def transfer_settings() -> dict[str, Any]:
 
 def available_presets() -> dict[str, tuple[str, str]]:
     """The presets that this build of the engine has, with label and description."""
-    import isograft
-
     return {name: PRESETS.get(name, (name.title(), "")) for name in isograft.presets()}
 
 

@@ -4,7 +4,6 @@
 import importlib
 import os
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
 
@@ -13,7 +12,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from scenes import MatchedPair, Pair  # noqa: E402
+from scenes import MatchedPair, Pair
 
 ZIP = Path(os.environ["ISOGRAFT_ZIP"])
 IS_EXTENSION = bpy.app.version >= (4, 2, 0)
@@ -34,11 +33,10 @@ def pytest_sessionstart() -> None:
 
 
 @pytest.fixture(autouse=True)
-def empty_file() -> Iterator[None]:
+def empty_file() -> None:
     """Nothing of one test is left for the next."""
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=False)
     assert not bpy.data.objects
-    yield
 
 
 def add_on(name: str) -> ModuleType:

@@ -2,8 +2,8 @@
 """Judges a run of Blender by its junit file: judge.py JUNIT EXIT_CODE. A run of too few tests is red."""
 
 import sys
-import xml.etree.ElementTree as ElementTree
 from pathlib import Path
+from xml.etree import ElementTree
 
 MIN_PASSED = 40
 SIGNAL = 128

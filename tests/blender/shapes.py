@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A lumpy creature as arrays: the same smooth surface in two tessellations and two poses, so that the truth is known."""
+"""A lumpy creature as arrays: one smooth surface in two tessellations and two poses, so that the truth is known."""
 
 from typing import Any
 

@@ -28,7 +28,7 @@ def test_a_file_is_matched_and_transferred_by_one_expression(pair: Pair, tmp_pat
     else:
         command = [bpy.app.binary_path, "-b", "--factory-startup", "--addons", MODULE, str(before)]
         command += ["--python-exit-code", "1", "--python-expr", EXPRESSION]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=200, env=os.environ)
+    done = subprocess.run(command, check=False, capture_output=True, text=True, timeout=200, env=os.environ)
     assert done.returncode == 0, done.stdout + done.stderr
     assert "matched" in done.stdout
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "after.blend"))
@@ -48,6 +48,6 @@ def test_an_error_without_a_window_ends_with_a_code_and_words(pair: Pair, tmp_pa
     else:
         command = [bpy.app.binary_path, "-b", "--factory-startup", "--addons", MODULE, str(path)]
         command += ["--python-exit-code", "1", "--python-expr", "import bpy; bpy.ops.object.isograft_transfer()"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=200, env=os.environ)
+    done = subprocess.run(command, check=False, capture_output=True, text=True, timeout=200, env=os.environ)
     assert done.returncode == 1
     assert "Scan has no match" in done.stdout + done.stderr

@@ -83,7 +83,7 @@ def test_a_scale_of_zero_is_refused_by_name() -> None:
     obj = add_mesh("Flat", BOX, SIDES)
     obj.scale = (1, 0, 1)
     bridge = add_on("bridge")
-    with pytest.raises(bridge.Refused, match="Flat is scaled to nothing"):
+    with pytest.raises(bridge.RefusedError, match="Flat is scaled to nothing"):
         bridge.read_donor(obj, depsgraph())
 
 

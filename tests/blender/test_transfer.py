@@ -37,14 +37,9 @@ def material(name: str) -> Any:
 
 def test_uv_maps_arrive_under_their_names(matched: MatchedPair) -> None:
     add_uv(matched.donor, "Second", uvs(matched.donor, "Atlas") * 0.5)
-    rematch(matched)
+    matched.donor.data.update()
     graft(matched)
     assert [layer.name for layer in matched.receiver.data.uv_layers] == ["Atlas", "Second"]
-
-
-def rematch(matched: MatchedPair) -> None:
-    """The donor's layers are no part of its hash: the map still fits."""
-    matched.donor.data.update()
 
 
 def test_no_face_spans_two_islands(matched: MatchedPair) -> None:
@@ -62,7 +57,7 @@ def test_no_face_spans_two_islands(matched: MatchedPair) -> None:
 
 def test_uvs_lie_where_the_truth_has_them(matched: MatchedPair) -> None:
     graft(matched)
-    vertices, polygons = loops_of(matched.receiver)
+    vertices, _ = loops_of(matched.receiver)
     filled = has_uv(matched.receiver, "Atlas")
     corners = matched.directions[vertices].reshape(-1, 4, 3)[filled]
     truth, island = shapes.cube_uv(corners)
@@ -142,7 +137,7 @@ def test_corner_colours_arrive_on_corners(matched: MatchedPair) -> None:
     graft(matched, what={"COLOR"})
     attribute = matched.receiver.data.attributes["Corners"]
     assert (attribute.domain, attribute.data_type) == ("CORNER", "BYTE_COLOR")
-    vertices, polygons = loops_of(matched.receiver)
+    vertices, _ = loops_of(matched.receiver)
     found = values(matched.receiver, "Corners", "color", 4)
     filled = found[:, 3] > 0
     assert filled.mean() > 0.6

@@ -25,7 +25,12 @@ def seen(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     command += ["--factory-startup", "--window-geometry", "0", "0", "1000", "700", "--enable-event-simulate"]
     command += ["--addons", MODULE, "--python-exit-code", "1", "-P", str(session), "--", str(folder)]
     done = subprocess.run(
-        command, env=os.environ | {"LIBGL_ALWAYS_SOFTWARE": "1"}, capture_output=True, text=True, timeout=240
+        command,
+        check=False,
+        env=os.environ | {"LIBGL_ALWAYS_SOFTWARE": "1"},
+        capture_output=True,
+        text=True,
+        timeout=240,
     )
     result: dict[str, Any] = json.loads((folder / "seen.json").read_text()) if done.returncode == 0 else {}
     output = done.stdout[-3000:] + done.stderr[-3000:]

@@ -19,7 +19,7 @@ import bpy
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from scenes import Pair, snapshot  # noqa: E402
+from scenes import Pair, snapshot
 
 FOLDER = Path(sys.argv[sys.argv.index("--") + 1])
 PATIENCE = 60.0
