@@ -234,10 +234,12 @@ def transfer_corner(
     corners = np.repeat(mask, 3)
     if nearest:
         return TransferredValues(_pick(data, 3 * triangle + weights.argmax(axis=1), corners), mask)
-    columns = _columns(data)
-    moved = np.zeros((len(triangle), columns.shape[1]))
-    for corner in range(3):
-        moved[corners] += weights[corners, corner, None] * columns[3 * triangle[corners] + corner]
+    columns = _columns(data).reshape(len(faces), 3, -1) if data.size else np.zeros((len(faces), 3, 0))
+    around = columns[triangle[corners]]
+    moved = np.zeros((len(triangle), columns.shape[2]))
+    # Rounding may not lead out of the range either: a mean of equal values is that value.
+    mean = np.einsum("ij,ijk->ik", weights[corners], around)
+    moved[corners] = np.clip(mean, around.min(axis=1), around.max(axis=1))
     return TransferredValues(_as_type(moved, data, len(triangle)), mask)
 
 
@@ -274,7 +276,9 @@ def _triangles(faces: Any, name: str) -> Array:
 def _polygons(polygons: Any) -> Array:
     array = np.zeros(0, dtype=np.int32) if polygons is None else np.asarray(polygons)
     if array.ndim != 1 or array.dtype.kind not in "iu":
-        raise _native.InvalidInput(f"receiver_polygons: expected integers of shape (n,), got {array.dtype} {array.shape}")
+        raise _native.InvalidInput(
+            f"receiver_polygons: expected integers of shape (n,), got {array.dtype} {array.shape}"
+        )
     return np.ascontiguousarray(array, dtype=np.int32)
 
 

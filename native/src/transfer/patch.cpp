@@ -62,6 +62,7 @@ DonorView::DonorView(const DonorMesh& donor, const CornerValues& corner_values, 
     for (int f = 0; f < faces.rows(); ++f) {
         const Vector3d a = corner(f, 0), b = corner(f, 1), c = corner(f, 2);
         normal.row(f) = (b - a).cross(c - a).stableNormalized().transpose();
+        area += 0.5 * (b - a).cross(c - a).norm();
         longest_edge[f] = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
     }
     unify(normal, welded, graph.next);

@@ -33,6 +33,8 @@ struct DonorView {
     Points normal;
     /// #F.
     Eigen::VectorXd longest_edge;
+    /// Of all triangles.
+    double area = 0.0;
     /// Points nearer than this are one.
     double same_point;
 };

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <limits>
 #include <memory>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -17,10 +19,14 @@ using Eigen::Vector3d;
 
 namespace {
 
+constexpr double infinity = std::numeric_limits<double>::infinity();
 // A polygon longer than this many times what the pair's median stretch says was torn by the map.
 constexpr double tear = 4.0;
+// Squared lengths of all images may add up to this many times the donor's area: an injective map of slim triangles stays
+// far below, a map of noise would make every polygon look at half of the donor.
+constexpr double most_overlap = 100.0;
 // Polygons a task: enough that handing out tasks costs nothing.
-constexpr int polygons_a_task = 256;
+constexpr int polygons_a_task = 64;
 
 // The triangles of every polygon: those of polygon p are triangle[first[p]] to triangle[first[p + 1] - 1].
 struct Polygons {
@@ -73,9 +79,8 @@ struct Placement {
     const DonorView& donor;
     const Polygons polygons;
     const std::vector<Image> images;
-    // Donor length that a receiver edge of median length is expected to have, and the expected stretch.
-    double stretch = 0.0;
-    double usual_length = 0.0;
+    // Longest edge of every polygon's image; infinite where it is unmatched or torn.
+    std::vector<double> extent{};
     CornerPlacement result{};
 
     [[nodiscard]] bool matched(int f) const {
@@ -92,7 +97,8 @@ struct Placement {
         return (images[receiver.faces(f, c)].point - images[receiver.faces(f, (c + 1) % 3)].point).norm();
     }
 
-    void measure_stretch() {
+    // Median stretch of the receiver's edges, and their median length.
+    [[nodiscard]] std::pair<double, double> usual_edge() const {
         std::vector<double> ratios, lengths;
         for (int f = 0; f < receiver.faces.rows(); ++f) {
             if (!matched(f)) continue;
@@ -104,31 +110,56 @@ struct Placement {
                 lengths.push_back(from);
             }
         }
-        stretch = median(ratios);
-        usual_length = median(lengths);
+        return {median(ratios), median(lengths)};
     }
 
-    // Read all corners of the triangles [from, to) of polygons.triangle as one, if all of them are matched and not torn.
-    void place(int from, int to, PatchReader& reader) {
-        double longest_receiver = 0.0, longest_donor = 0.0, area = 0.0;
+    void measure_extents() {
+        const auto [stretch, usual_length] = usual_edge();
+        extent.assign(polygons.count(), 0.0);
+        std::vector<double> ascending;
+        for (int p = 0; p < polygons.count(); ++p) {
+            double from = usual_length;
+            for (int i = polygons.first[p]; i < polygons.first[p + 1]; ++i) {
+                const int f = polygons.triangle[i];
+                for (int c = 0; c < 3; ++c) {
+                    from = std::max(from, receiver_length(f, c));
+                    extent[p] = matched(f) ? std::max(extent[p], donor_length(f, c)) : infinity;
+                }
+            }
+            if (extent[p] > tear * stretch * from) extent[p] = infinity;
+            if (extent[p] < infinity) ascending.push_back(extent[p]);
+        }
+        std::sort(ascending.begin(), ascending.end());
+        double left = most_overlap * donor.area;
+        double longest = 0.0;
+        for (const double length : ascending) {
+            left -= length * length;
+            if (left < 0.0) break;
+            longest = length;
+        }
+        for (double& length : extent) {
+            if (length > longest) length = infinity;
+        }
+    }
+
+    // Read all corners of polygon p as one, if all of them are matched and not torn.
+    void place(int p, PatchReader& reader) {
+        if (extent[p] == infinity) return;
+        const int from = polygons.first[p], to = polygons.first[p + 1];
+        double area = 0.0;
         Vector3d moment = Vector3d::Zero(), sum = Vector3d::Zero();
         std::vector<int> corners;
         for (int i = from; i < to; ++i) {
-            const int f = polygons.triangle[i];
-            if (!matched(f)) return;
-            Vector3d p[3];
+            Vector3d at[3];
             for (int c = 0; c < 3; ++c) {
-                p[c] = images[receiver.faces(f, c)].point;
-                corners.push_back(receiver.faces(f, c));
-                longest_receiver = std::max(longest_receiver, receiver_length(f, c));
-                longest_donor = std::max(longest_donor, donor_length(f, c));
+                corners.push_back(receiver.faces(polygons.triangle[i], c));
+                at[c] = images[corners.back()].point;
             }
-            const double share = (p[1] - p[0]).cross(p[2] - p[0]).norm();
-            moment += share * (p[0] + p[1] + p[2]) / 3.0;
-            sum += (p[0] + p[1] + p[2]) / 3.0;
+            const double share = (at[1] - at[0]).cross(at[2] - at[0]).norm();
+            moment += share * (at[0] + at[1] + at[2]) / 3.0;
+            sum += (at[0] + at[1] + at[2]) / 3.0;
             area += share;
         }
-        if (longest_donor > tear * stretch * std::max(longest_receiver, usual_length)) return;
         const bool one = to - from == 1;
         const Vector3d centre = one || area <= 0.0 ? Vector3d(sum / (to - from)) : Vector3d(moment / area);
         std::sort(corners.begin(), corners.end());
@@ -163,7 +194,7 @@ CornerPlacement place_corners(const Correspondence& correspondence, const Receiv
     watched.check();
     const DonorView view(donor, donor_values, options.tolerance);
     Placement placement{receiver, view, group(receiver), images_of(correspondence, view)};
-    placement.measure_stretch();
+    placement.measure_extents();
     const Eigen::Index count = receiver.faces.rows();
     placement.result.triangle = Eigen::VectorXi::Constant(3 * count, -1);
     placement.result.weights = Points::Zero(3 * count, 3);
@@ -177,7 +208,7 @@ CornerPlacement place_corners(const Correspondence& correspondence, const Receiv
         if (!readers[worker]) readers[worker] = std::make_unique<PatchReader>(view, options.extrapolation);
         const int end = std::min(polygons, (index + 1) * polygons_a_task);
         for (int p = index * polygons_a_task; p < end; ++p) {
-            placement.place(placement.polygons.first[p], placement.polygons.first[p + 1], *readers[worker]);
+            placement.place(p, *readers[worker]);
         }
     };
     parallel_for(tasks, options.threads, task, watched, "transfer", 0.0, 1.0);

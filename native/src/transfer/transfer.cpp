@@ -108,7 +108,17 @@ TransferredValues transfer_corner(const Correspondence& correspondence, const Re
     CornerTransferOptions inside = options;
     inside.extrapolation = 0.0;
     CornerPlacement placement = place_corners(correspondence, receiver, donor, donor_corner_values, inside, monitor);
-    return {read(placement, donor_corner_values, mode), std::move(placement.mask)};
+    TransferredValues moved{read(placement, donor_corner_values, mode), std::move(placement.mask)};
+    for (Eigen::Index i = 0; i < moved.values.rows(); ++i) {
+        const Eigen::Index f = placement.triangle[i];
+        if (f < 0) continue;
+        // Rounding may not lead out of the range either: a mean of equal values is that value.
+        const auto corners = donor_corner_values.middleRows(3 * f, 3);
+        const Eigen::RowVectorXd low = corners.colwise().minCoeff();
+        const Eigen::RowVectorXd high = corners.colwise().maxCoeff();
+        moved.values.row(i) = moved.values.row(i).cwiseMax(low).cwiseMin(high);
+    }
+    return moved;
 }
 
 }  // namespace isograft
