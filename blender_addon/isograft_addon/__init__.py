@@ -14,10 +14,10 @@ bl_info = {
 
 def register() -> None:
     """Load the native package, then register the classes: the settings take their defaults from it."""
-    from . import native_loader  # noqa: PLC0415
+    from . import native_loader
 
     native_loader.load()
-    from . import operators, panels, properties  # noqa: PLC0415 - needs what was loaded
+    from . import operators, panels, properties
 
     properties.register()
     operators.register()
@@ -26,7 +26,7 @@ def register() -> None:
 
 def unregister() -> None:
     """Undo register(), in reverse."""
-    from . import native_loader, operators, panels, properties  # noqa: PLC0415
+    from . import native_loader, operators, panels, properties
 
     panels.unregister()
     operators.unregister()

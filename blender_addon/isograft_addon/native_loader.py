@@ -38,7 +38,7 @@ def load() -> None:
             sys.path.insert(0, path)
         importlib.invalidate_caches()
     try:
-        import isograft  # noqa: PLC0415 - only now can it be found
+        import isograft
     except ImportError as error:
         raise NativeUnavailableError(
             f"Isograft: the native package does not load ({error}); install the add-on again from its zip"
