@@ -141,7 +141,7 @@ def test_another_version_that_is_loaded_already_is_refused(monkeypatch: pytest.M
 
 @pytest.mark.skipif(not IS_EXTENSION, reason="Blender 3.4 knows no extensions")
 def test_blenders_own_validation_accepts_the_zip() -> None:
-    tool = next(Path(bpy.__file__).parent.rglob("blender_ext.py"))
+    tool = next(Path(bpy.utils.system_resource("SCRIPTS")).rglob("blender_ext.py"))
     done = subprocess.run(
         [sys.executable, str(tool), "validate", str(ZIP)], check=False, capture_output=True, text=True
     )
