@@ -119,5 +119,6 @@ def test_numpy_numbers_are_as_good_as_pythons() -> None:
     with pytest.raises(isograft.Cancelled):
         isograft.match(
             SURFACE, SURFACE, progress=lambda *_: False, threads=np.int64(1), seed=np.uint8(3), scale=np.float32(1),
-            growth_stretch_limit=np.float32(0.5), hierarchy_samples=np.int16(700), landmarks=np.array([[0, 1]], np.uint16),
+            growth_stretch_limit=np.float32(0.5), hierarchy_samples=np.int16(700),
+            landmarks=np.array([[0, 1]], np.uint16),
         )  # fmt: skip

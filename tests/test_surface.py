@@ -85,9 +85,9 @@ def test_what_cannot_be_a_surface_is_refused_with_what_and_where(vertices: Any, 
 
 
 def test_a_point_cloud_is_refused_plainly() -> None:
-    with pytest.raises(isograft.InvalidInput, match="point clouds .* not supported yet"):
+    with pytest.raises(isograft.InvalidInput, match=r"point clouds .* not supported yet"):
         isograft.Surface(TETRAHEDRON)
-    with pytest.raises(isograft.InvalidInput, match="point clouds .* not supported yet"):
+    with pytest.raises(isograft.InvalidInput, match=r"point clouds .* not supported yet"):
         isograft.Surface(TETRAHEDRON, None, TETRAHEDRON)
 
 

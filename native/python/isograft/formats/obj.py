@@ -4,27 +4,27 @@
 from __future__ import annotations
 
 from itertools import chain
-from typing import NoReturn
 
 import numpy as np
 import numpy.typing as npt
 
+from isograft.errors import InvalidInput
 from isograft.formats.mesh import Polygons
-from isograft.formats.text import Lines, parse_floats, parse_ints, quoted
+from isograft.formats.text import Lines, parse_floats, parse_ints, parse_numbers, quoted, token_counts
 
 Ints64 = npt.NDArray[np.int64]
 
 
 def read_obj(path: str, data: bytes) -> Polygons:
     """Raises InvalidInput naming the line."""
-    lines = _joined(Lines(path, data))
-    rows: dict[bytes, list[int]] = {b"v": [], b"vt": [], b"f": []}
-    for row, line in enumerate(lines.text):
-        keyword = line.split(None, 1)[0]
-        if keyword in rows:
-            rows[keyword].append(row)
-    vertices = _numbers(lines, rows[b"v"], "vertex", 3)
-    uvs = _numbers(lines, rows[b"vt"], "texture coordinate", 1)
+    lines = Lines(path, data)
+    if b"\\" in data:
+        _join(lines)
+    rows = _rows_by_keyword(lines.text)
+    if not rows[b"v"]:
+        raise InvalidInput(f"{path}: line {lines.last_number}: the file ends here and holds no vertices")
+    vertices = _numbers(lines, rows, b"v", "vertex", 3)
+    uvs = _numbers(lines, rows, b"vt", "texture coordinate", 1)
     if uvs.shape[1] == 1:
         uvs = np.hstack([uvs, np.zeros_like(uvs)])
     sizes, corners, uv_index = _faces(lines, rows)
@@ -39,7 +39,22 @@ def read_obj(path: str, data: bytes) -> Polygons:
     )
 
 
-def _joined(lines: Lines) -> Lines:
+def _rows_by_keyword(text: list[bytes]) -> dict[bytes, list[int]]:
+    rows: dict[bytes, list[int]] = {b"v": [], b"vt": [], b"f": []}
+    # Nearly every line begins so; the few others are looked at in full.
+    known = {b"v ": rows[b"v"], b"vt": rows[b"vt"], b"f ": rows[b"f"], b"vn": None}
+    for row, line in enumerate(text):
+        head = line[:2]
+        if head not in known:
+            keyword = line.split(None, 1)[0]
+            if keyword in rows:
+                rows[keyword].append(row)
+        elif (found := known[head]) is not None:
+            found.append(row)
+    return rows
+
+
+def _join(lines: Lines) -> None:
     """A line that ends with a backslash goes on in the next one; both keep the first one's number."""
     row = 0
     while row < len(lines.text):
@@ -48,75 +63,110 @@ def _joined(lines: Lines) -> Lines:
             lines.numbers.pop(row + 1)
         else:
             row += 1
-    return lines
 
 
-def _numbers(lines: Lines, rows: list[int], what: str, minimum: int) -> npt.NDArray[np.float64]:
+def _numbers(
+    lines: Lines, rows_by_keyword: dict[bytes, list[int]], keyword: bytes, what: str, minimum: int
+) -> npt.NDArray[np.float64]:
     """The numbers behind the keyword; the fewest of any row decide how many are kept."""
+    rows = rows_by_keyword[keyword]
     if not rows:
         return np.empty((0, minimum))
-    parts = [lines.text[row].split()[1:] for row in rows]
-    columns = min(map(len, parts))
+    numbers = _behind_keyword(lines, rows, keyword)
+    counts = token_counts(numbers)
+    columns = int(counts.min())
     if columns < minimum:
-        short = next(i for i, part in enumerate(parts) if len(part) == columns)
-        lines.fail(rows[short], f"{what}: {columns} numbers where {minimum} are needed")
-    try:
-        flat = [float(token) for part in parts for token in part[:columns]]
-    except ValueError:
-        for row, part in zip(rows, parts, strict=True):
-            parse_floats(lines, row, part[:columns], what)
-        raise
-    return np.array(flat).reshape(len(rows), columns)
+        lines.fail(rows[int(counts.argmin())], f"{what}: {columns} numbers where {minimum} are needed")
+    flat = parse_numbers(b"\n".join(numbers), np.float64, int(counts.sum()))
+    if flat is None:
+        parts = [parse_floats(lines, row, part.split(), what) for row, part in zip(rows, numbers, strict=True)]
+        flat = np.array(list(chain.from_iterable(parts)))
+    kept: npt.NDArray[np.float64] = flat[(np.cumsum(counts) - counts)[:, None] + np.arange(columns)]
+    return kept
+
+
+def _behind_keyword(lines: Lines, rows: list[int], keyword: bytes) -> list[bytes]:
+    length = len(keyword)
+    return [lines.text[row].lstrip()[length:] for row in rows]
 
 
 def _faces(lines: Lines, rows: dict[bytes, list[int]]) -> tuple[npt.NDArray[np.int32], ...]:
-    parts = [lines.text[row].split()[1:] for row in rows[b"f"]]
-    sizes = np.fromiter(map(len, parts), np.int64, len(parts))
-    tokens = list(chain.from_iterable(parts))
+    texts = _behind_keyword(lines, rows[b"f"], b"f")
+    sizes = token_counts(texts)
     owner = np.repeat(np.asarray(rows[b"f"], np.int64), sizes)
-    try:
-        if any(b"/" in token for token in tokens):
-            corners = np.array([int(token.partition(b"/")[0]) for token in tokens], np.int64)
-            uv_index = np.array([int(_second(token) or 0) for token in tokens], np.int64)
-        else:
-            corners = np.array(list(map(int, tokens)), np.int64)
-            uv_index = np.zeros(len(tokens), np.int64)
-    except (ValueError, OverflowError):
-        _blame(lines, rows[b"f"], parts)
+    parsed = _alike_corners(b"\n".join(texts), int(sizes.sum()))
+    corners, uv_index = _unlike_corners(lines, rows[b"f"], texts) if parsed is None else parsed
     # Negative indices count back from the newest vertex at that place in the file.
     before = np.searchsorted(rows[b"v"], owner)
     uv_before = np.searchsorted(rows[b"vt"], owner)
     corners = np.where(corners < 0, before + corners, corners - 1)
     given = uv_index != 0
     uv_index = np.where(uv_index < 0, uv_before + uv_index, uv_index - 1)
-    _check(lines, owner, tokens, corners, len(rows[b"v"]), "vertices")
+    _check(lines, texts, sizes, owner, corners, len(rows[b"v"]), "vertices")
     _check(
         lines,
-        owner[given],
-        [t for t, g in zip(tokens, given, strict=True) if g] if given.any() else [],
-        uv_index[given],
-        len(rows[b"vt"]),
+        texts,
+        sizes,
+        owner,
+        np.where(given, uv_index, 0),
+        max(len(rows[b"vt"]), int(not given.any())),
         "texture coordinates",
     )
     return sizes.astype(np.int32), corners.astype(np.int32), np.where(given, uv_index, -1).astype(np.int32)
 
 
-def _second(token: bytes) -> bytes:
-    return token.split(b"/", 2)[1] if b"/" in token else b""
+def _alike_corners(text: bytes, count: int) -> tuple[Ints64, Ints64] | None:
+    """Vertex and texture index (0 for none) of all corners if all are written in one way, None if not."""
+    slashes = text.count(b"/")
+    if slashes == 0:
+        corners = parse_numbers(text, np.int64, count)
+        return None if corners is None else (corners, np.zeros(count, np.int64))
+    if slashes not in (count, 2 * count):
+        return None
+    double = text.count(b"//")
+    if double not in (0, count) or (double and slashes == count):
+        return None
+    # Evenly many slashes are not yet one in every corner: a/b/c beside a would go unseen.
+    if not _evenly_slashed(text, slashes // count):
+        return None
+    columns = 3 if slashes == 2 * count and not double else 2
+    table = parse_numbers(text.replace(b"//", b" ").replace(b"/", b" "), np.int64, columns * count)
+    if table is None:
+        return None
+    table = table.reshape(count, columns)
+    return table[:, 0], np.zeros(count, np.int64) if double else table[:, 1]
 
 
-def _blame(lines: Lines, rows: list[int], parts: list[list[bytes]]) -> NoReturn:
-    for row, tokens in zip(rows, parts, strict=True):
-        for token in tokens:
-            pieces = token.split(b"/")
-            for index in parse_ints(lines, row, [pieces[0], *(p for p in pieces[1:2] if p)], "face"):
-                if abs(index) >= 2**31:
-                    lines.fail(row, f"face: {quoted(token)} is beyond 32 bits")
-    raise AssertionError("a face was refused, but none of its parts")
+def _evenly_slashed(text: bytes, each: int) -> bool:
+    """True if every piece between white space has `each` slashes."""
+    letters = np.frombuffer(text, np.uint8)
+    places = np.flatnonzero(letters == ord("/"))
+    space = (letters == 32) | ((letters >= 9) & (letters <= 13))
+    pieces = np.cumsum(space)[places].reshape(-1, each)
+    return bool((pieces == pieces[:, :1]).all() and (pieces[1:, 0] != pieces[:-1, 0]).all())
 
 
-def _check(lines: Lines, owner: Ints64, tokens: list[bytes], index: Ints64, count: int, what: str) -> None:
+def _unlike_corners(lines: Lines, rows: list[int], texts: list[bytes]) -> tuple[Ints64, Ints64]:
+    """The same for corners written in several ways, or wrongly."""
+    corners: list[int] = []
+    uvs: list[int] = []
+    for row, text in zip(rows, texts, strict=True):
+        for token in text.split():
+            vertex, uv, *_ = [*token.split(b"/"), b""]
+            indices = parse_ints(lines, row, [vertex, uv or b"0"], "face")
+            if max(map(abs, indices)) >= 2**31:
+                lines.fail(row, f"face: {quoted(token)} is beyond 32 bits")
+            corners.append(indices[0])
+            uvs.append(indices[1])
+    return np.array(corners, np.int64), np.array(uvs, np.int64)
+
+
+def _check(
+    lines: Lines, texts: list[bytes], sizes: Ints64, owner: Ints64, index: Ints64, count: int, what: str
+) -> None:
     bad = np.flatnonzero((index < 0) | (index >= count))
     if bad.size:
-        token = quoted(tokens[bad[0]])
-        lines.fail(int(owner[bad[0]]), f"face: corner {token} is out of range, the file has {count} {what}")
+        face = int(np.searchsorted(np.cumsum(sizes), bad[0], side="right"))
+        token = texts[face].split()[bad[0] - int(sizes[:face].sum())]
+        problem = f"face: corner {quoted(token)} is out of range, the file has {count} {what}"
+        lines.fail(int(owner[bad[0]]), problem)

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from isograft.errors import InvalidInput
 from isograft.formats.mesh import Polygons
-from isograft.formats.text import Lines, parse_ints, quoted
+from isograft.formats.text import Lines, parse_ints, quoted, whole
 
 _KEYWORD = re.compile(rb"(ST)?(C)?(N)?(4)?(n)?OFF$")
 
@@ -58,28 +58,23 @@ def read_off(path: str, data: bytes) -> Polygons:
 
 
 def _faces(lines: Lines, start: int, count: int, vertices: int) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.int32]]:
-    lines.need(start, count, "faces")
-    parts = [line.split() for line in lines.text[start : start + count]]
-    try:
-        sizes = np.array([int(part[0]) for part in parts], np.int64)
-        short = [i for i, part in enumerate(parts) if len(part) <= sizes[i] or sizes[i] < 0]
-        if short:
-            lines.fail(start + short[0], f"face: {len(parts[short[0]]) - 1} corners, its count says {sizes[short[0]]}")
-        corners = np.array(
-            [int(token) for part, n in zip(parts, sizes.tolist(), strict=True) for token in part[1 : n + 1]], np.int64
-        )
-    except (ValueError, OverflowError) as error:
-        if isinstance(error, InvalidInput):
-            raise
-        for row, part in enumerate(parts, start):
-            size = parse_ints(lines, row, part[:1], "face")[0]
-            if any(abs(index) >= 2**31 for index in [size, *parse_ints(lines, row, part[1 : size + 1], "face")]):
-                lines.fail(row, "face: a number is beyond 32 bits")
-        raise
-    bad = np.flatnonzero((corners < 0) | (corners >= vertices))
+    values, counts = lines.ragged(start, count, "faces")
+    first = np.cumsum(counts) - counts
+    sizes = values[first]
+    wrong = np.flatnonzero(~(whole(sizes) & (sizes >= 0)))
+    if wrong.size:
+        lines.fail(start + int(wrong[0]), f"face: {sizes[wrong[0]]:g} is no number of corners")
+    sizes = sizes.astype(np.int64)
+    short = np.flatnonzero(counts <= sizes)
+    if short.size:
+        row = int(short[0])
+        lines.fail(start + row, f"face: {counts[row] - 1} corners, its count says {sizes[row]}")
+    within = np.arange(int(sizes.sum())) - np.repeat(np.cumsum(sizes) - sizes, sizes)
+    corners = values[np.repeat(first + 1, sizes) + within]
+    bad = np.flatnonzero(~(whole(corners) & (corners >= 0) & (corners < vertices)))
     if bad.size:
         face = int(np.searchsorted(np.cumsum(sizes), bad[0], side="right"))
-        lines.fail(start + face, f"face: corner {corners[bad[0]]} is out of range, the file has {vertices} vertices")
+        lines.fail(start + face, f"face: corner {corners[bad[0]]:g} is no vertex, the file has {vertices}")
     return sizes.astype(np.int32), corners.astype(np.int32)
 
 

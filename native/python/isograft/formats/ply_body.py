@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from isograft.errors import InvalidInput
 from isograft.formats.ply_header import Element, Property
-from isograft.formats.text import Lines, parse_floats
+from isograft.formats.text import Lines, whole
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,8 +143,7 @@ class BinaryBody:
 
     def _gather(self, starts: npt.NDArray[np.int64], sizes: npt.NDArray[np.int64], p: Property) -> npt.NDArray[Any]:
         dtype = np.dtype(self._order + p.code)
-        within = np.arange(int(sizes.sum())) - np.repeat(np.cumsum(sizes) - sizes, sizes)
-        offsets = np.repeat(starts, sizes) + within * dtype.itemsize
+        offsets = np.repeat(starts, sizes) + steps(sizes) * dtype.itemsize
         raw = np.frombuffer(self._data, np.uint8)[offsets[:, None] + np.arange(dtype.itemsize)]
         return np.ascontiguousarray(raw).view(dtype).ravel()
 
@@ -169,37 +168,39 @@ class TextBody:
         if not any(p.count_code for p in element.properties):
             table = self._lines.table(start, count, element.name, len(element.properties))
             return {p.name: table[:, i] for i, p in enumerate(element.properties)}
-        values: list[list[float]] = [[] for _ in element.properties]
-        sizes: list[list[int]] = [[] for _ in element.properties]
-        for row in range(start, start + count):
-            parts = self._lines.text[row].split()
-            try:
-                numbers = list(map(float, parts))
-            except ValueError:
-                numbers = parse_floats(self._lines, row, parts, element.name)
-            self._split(element, row, numbers, values, sizes)
+        values, counts = self._lines.ragged(start, count, element.name)
+        ends = np.cumsum(counts)
+        at = ends - counts
         columns: dict[str, Column] = {}
-        for p, items, lengths in zip(element.properties, values, sizes, strict=True):
-            array = np.array(items, np.float64)
-            columns[p.name] = ListColumn(np.array(lengths, np.int64), array, places) if p.count_code else array
+        for p in element.properties:
+            sizes = np.ones(count, np.int64)
+            if p.count_code:
+                sizes = self._list_lengths(values, at, ends, p, start)
+                at = at + 1
+            short = np.flatnonzero(at + sizes > ends)
+            if short.size:
+                row = int(short[0])
+                self._lines.fail(start + row, f"{element.name}: {counts[row]} numbers, too few for {p.name}")
+            items = values[np.repeat(at, sizes) + steps(sizes)]
+            columns[p.name] = ListColumn(sizes, items, places) if p.count_code else items
+            at = at + sizes
         return columns
 
-    def _split(
-        self, element: Element, row: int, numbers: list[float], values: list[list[float]], sizes: list[list[int]]
-    ) -> None:
-        at = 0
-        for p, items, lengths in zip(element.properties, values, sizes, strict=True):
-            length = 1
-            if p.count_code:
-                if at >= len(numbers) or not 0 <= numbers[at] < 2**31 or numbers[at] != int(numbers[at]):
-                    self._lines.fail(row, f"{element.name}: the list {p.name} has no valid length")
-                length = int(numbers[at])
-                lengths.append(length)
-                at += 1
-            if at + length > len(numbers):
-                self._lines.fail(row, f"{element.name}: {len(numbers)} numbers, too few for {p.name}")
-            items.extend(numbers[at : at + length])
-            at += length
+    def _list_lengths(
+        self, values: npt.NDArray[np.float64], at: npt.NDArray[np.int64], ends: npt.NDArray[np.int64], p: Property,
+        start: int,
+    ) -> npt.NDArray[np.int64]:  # fmt: skip
+        present = at < ends
+        lengths = np.where(present, values[np.minimum(at, len(values) - 1)], -1.0)
+        bad = np.flatnonzero(~(whole(lengths) & (lengths >= 0)))
+        if bad.size:
+            self._lines.fail(start + int(bad[0]), f"the list {p.name} has no valid length")
+        return lengths.astype(np.int64)
+
+
+def steps(sizes: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+    """0, 1, ... sizes[0] - 1, 0, 1, ... sizes[1] - 1, and so on."""
+    return np.arange(int(sizes.sum())) - np.repeat(np.cumsum(sizes) - sizes, sizes)
 
 
 def _empty(p: Property) -> Column:

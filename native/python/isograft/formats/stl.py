@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from isograft.errors import InvalidInput
 from isograft.formats.mesh import Polygons
-from isograft.formats.text import Lines, parse_floats
+from isograft.formats.text import Lines, parse_floats, parse_numbers, token_counts
 
 _HEADER = 84
 _RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
@@ -23,15 +23,26 @@ def read_stl(path: str, data: bytes) -> Polygons:
     else:
         positions = _read_binary(path, data)
     flat = positions.reshape(-1, 3) + 0.0  # -0 and 0 are the same place
-    _, first, inverse = np.unique(flat, axis=0, return_index=True, return_inverse=True)
+    first, inverse = _equal_rows(flat)
     order = np.argsort(first)
     rank = np.empty(len(order), np.int64)
     rank[order] = np.arange(len(order))
     return Polygons(
         vertices=np.ascontiguousarray(flat[first[order]]),
         sizes=np.full(len(positions), 3, np.int32),
-        corners=rank[inverse.ravel()].astype(np.int32),
+        corners=rank[inverse].astype(np.int32),
     )
+
+
+def _equal_rows(rows: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
+    """First row of every group of equal rows, and the group of every row."""
+    first = np.zeros(min(len(rows), 1), np.int64)
+    group = np.zeros(len(rows), np.int64)
+    # A column at a time: sorting plain numbers is far faster than sorting rows.
+    for column in rows.T:
+        values, code = np.unique(column, return_inverse=True)
+        _, first, group = np.unique(group * max(len(values), 1) + code, return_index=True, return_inverse=True)
+    return first, group
 
 
 def _is_binary(data: bytes) -> bool:
@@ -58,14 +69,15 @@ def _read_text(path: str, data: bytes) -> npt.NDArray[np.float64]:
         lines.fail(len(lines), "endsolid is missing")
     if len(rows) % 3:
         lines.fail(rows[-1], f"{len(rows)} vertex lines are not three for every facet")
-    parts = [lines.text[row].split()[1:] for row in rows]
-    for row, part in zip(rows, parts, strict=True):
-        if len(part) != 3:
-            lines.fail(row, f"vertex: {len(part)} numbers where 3 are needed")
-    try:
-        flat = [float(token) for part in parts for token in part]
-    except ValueError:
-        for row, part in zip(rows, parts, strict=True):
-            parse_floats(lines, row, part, "vertex")
-        raise
-    return np.array(flat).reshape(-1, 3, 3)
+    values = [lines.text[row].split(None, 1)[1:] for row in rows]
+    numbers = [part[0] if part else b"" for part in values]
+    counts = token_counts(numbers)
+    wrong = np.flatnonzero(counts != 3)
+    if wrong.size:
+        lines.fail(rows[wrong[0]], f"vertex: {counts[wrong[0]]} numbers where 3 are needed")
+    flat = parse_numbers(b"\n".join(numbers), np.float64, 3 * len(rows))
+    if flat is None:
+        flat = np.array(
+            [parse_floats(lines, row, part.split(), "vertex") for row, part in zip(rows, numbers, strict=True)]
+        )
+    return flat.reshape(-1, 3, 3)

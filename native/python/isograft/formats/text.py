@@ -3,8 +3,9 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import numpy as np
 import numpy.typing as npt
@@ -20,8 +21,12 @@ class Lines:
         raw = data.splitlines()
         if comment is not None and comment in data:
             raw = [line.split(comment, 1)[0] for line in raw]
-        self.numbers = [number for number, line in enumerate(raw, first_number) if line and not line.isspace()]
-        self.text = [raw[number - first_number] for number in self.numbers]
+        if any(not line or line.isspace() for line in raw):
+            self.numbers = [number for number, line in enumerate(raw, first_number) if line and not line.isspace()]
+            self.text = [raw[number - first_number] for number in self.numbers]
+        else:
+            self.numbers = list(range(first_number, first_number + len(raw)))
+            self.text = raw
         self.last_number = first_number + max(len(raw) - 1, 0)
 
     def __len__(self) -> int:
@@ -41,28 +46,54 @@ class Lines:
     def table(self, start: int, count: int, what: str, minimum: int = 1) -> npt.NDArray[np.float64]:
         """Rows of numbers, as many columns as the first row has; longer rows are refused, and so are shorter ones."""
         self.need(start, count, what)
-        rows = self.text[start : start + count]
         if count == 0:
             return np.empty((0, minimum))
-        columns = len(rows[0].split())
+        values, counts = self.ragged(start, count, what)
+        columns = int(counts[0])
         if columns < minimum:
             self.fail(start, f"{what}: {columns} numbers where {minimum} are needed")
-        tokens = b" ".join(rows).split()
-        if len(tokens) == count * columns:
-            try:
-                table = np.array(list(map(float, tokens))).reshape(count, columns)
-            except ValueError:
-                pass
-            else:
-                # Two rows of unequal length may add up; the sum over all rows alone does not show that.
-                if columns == 1 or all(row.count(b" ") + row.count(b"\t") >= columns - 1 for row in rows):
-                    return table
-        for row, line in enumerate(rows, start):
-            parts = line.split()
-            if len(parts) != columns:
-                self.fail(row, f"{what}: {len(parts)} numbers where {columns} are needed")
-            parse_floats(self, row, parts, what)
-        return np.array([[float(part) for part in line.split()] for line in rows])
+        unequal = np.flatnonzero(counts != columns)
+        if unequal.size:
+            row = int(unequal[0])
+            self.fail(start + row, f"{what}: {counts[row]} numbers where {columns} are needed")
+        return values.reshape(count, columns)
+
+    def ragged(self, start: int, count: int, what: str) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.int64]]:
+        """All numbers of some rows, one row after another, and how many each row has."""
+        self.need(start, count, what)
+        rows = self.text[start : start + count]
+        counts = token_counts(rows)
+        values = parse_numbers(b"\n".join(rows), np.float64, int(counts.sum()))
+        if values is None:
+            for row, line in enumerate(rows, start):
+                parse_floats(self, row, line.split(), what)
+            # Python reads a few spellings that numpy does not.
+            values = np.array([float(part) for line in rows for part in line.split()])
+        return values, counts
+
+
+def parse_numbers(text: bytes, dtype: type[np.generic], count: int) -> npt.NDArray[Any] | None:
+    """Exactly `count` numbers between white space, or None if the text is anything else."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        try:
+            values: npt.NDArray[Any] = np.fromstring(text, dtype, sep=" ")
+        except (ValueError, DeprecationWarning):
+            return None
+    return values if len(values) == count else None
+
+
+def token_counts(rows: Sequence[bytes]) -> npt.NDArray[np.int64]:
+    """How many pieces between white space every row has; no row may hold a line feed."""
+    if not rows:
+        return np.empty(0, np.int64)
+    text = np.frombuffer(b"\n".join(rows) + b"\n", np.uint8)
+    space = (text == 32) | ((text >= 9) & (text <= 13))
+    starts = ~space
+    starts[1:] &= space[:-1]
+    total: npt.NDArray[np.int64] = np.cumsum(starts)[text == 10]
+    counts: npt.NDArray[np.int64] = np.diff(total, prepend=0)
+    return counts
 
 
 def parse_floats(lines: Lines, row: int, parts: Sequence[bytes], what: str) -> list[float]:
@@ -91,3 +122,9 @@ def quoted(part: bytes) -> str:
     """A piece of a file, fit for a message."""
     text = part[:40].decode("ascii", "backslashreplace")
     return f'"{text}{"..." if len(part) > 40 else ""}"'
+
+
+def whole(values: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
+    """True where a number is whole and fits 32 bits."""
+    fits: npt.NDArray[np.bool_] = (values == np.floor(values)) & (np.abs(values) < 2.0**31)
+    return fits
