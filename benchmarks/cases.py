@@ -63,7 +63,8 @@ def reversed_case(case: Case, *, unknown: bool) -> Case:
     Where -1 in the truth (or its absence) means "unknown", every pair of vertices is turned round. Otherwise a
     target vertex has a counterpart where it lies on the image of the source: on the source's triangles with their
     corners at their true images, to within half of an edge of theirs, which is what flat triangles deviate from a
-    curved target. Elsewhere it has none.
+    curved target. Where the nearest of that image is its boundary, a tenth of an edge is allowed: beyond it the vertex
+    lies outside. Elsewhere it has none.
     """
     swapped = replace(case, source=case.target, target=case.source)
     truth, faces = case.truth, case.source[1]
@@ -86,7 +87,8 @@ def reversed_case(case: Case, *, unknown: bool) -> Case:
     corners = positions[faces[kept]]
     edge = float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).mean())
     face, weights, distance = closest_points(vertices, positions, faces[kept])
-    face = np.where(distance <= 0.5 * edge, kept[face], -1)
+    tolerance = np.where(_on_boundary(faces[kept], face, weights), 0.1 * edge, 0.5 * edge)
+    face = np.where(distance <= tolerance, kept[face], -1)
     return replace(swapped, truth=Truth(face=face, weights=weights), unmatched_is_truth=True)
 
 
@@ -116,6 +118,19 @@ def _images(truth: Truth, target: Shape) -> Floats:
     assert truth.weights is not None
     assert target[1] is not None
     return np.asarray(np.einsum("ij,ijk->ik", truth.weights, target[0][target[1][truth.face]]))
+
+
+def _on_boundary(faces: npt.NDArray[np.int32], face: npt.NDArray[np.int64], weights: Floats) -> npt.NDArray[np.bool_]:
+    """Whether each point, in triangle `face` of `faces`, lies on an edge or at a corner where the surface ends."""
+    edges = np.sort(faces[:, [[1, 2], [2, 0], [0, 1]]], axis=2)  # edge k lies opposite to corner k
+    _, first, counts = np.unique(edges.reshape(-1, 2), axis=0, return_inverse=True, return_counts=True)
+    ends = (counts[first] == 1).reshape(-1, 3)
+    at_end = np.zeros(int(faces.max()) + 1, bool)
+    at_end[edges[ends]] = True
+    zero = weights <= 1e-9
+    on_edge = (zero & ends[face]).any(axis=1)
+    at_corner = (zero.sum(axis=1) == 2) & at_end[faces[face, np.argmax(weights, axis=1)]]
+    return np.asarray(on_edge | at_corner)
 
 
 def _dominant(truth: Truth, target: Shape) -> npt.NDArray[np.int64]:

@@ -71,9 +71,9 @@ def _closest_on_triangles(points: Floats, triangles: Floats) -> tuple[Floats, Fl
     uu, uv, vv = _dot(u, u), _dot(u, v), _dot(v, v)
     pu, pv = _dot(p, u), _dot(p, v)
     area = uu * vv - uv * uv
-    with np.errstate(divide="ignore", invalid="ignore"):
-        s = (vv * pu - uv * pv) / area
-        t = (uu * pv - uv * pu) / area
+    divisor = np.where(area > 0.0, area, 1.0)
+    s = (vv * pu - uv * pv) / divisor
+    t = (uu * pv - uv * pu) / divisor
     inside = (area > 0.0) & (s >= 0.0) & (t >= 0.0) & (s + t <= 1.0)
     weights = np.stack([1.0 - s - t, s, t], axis=-1)
     best = np.where(inside, _square(points, triangles, np.where(inside[..., None], weights, 0.0)), np.inf)

@@ -84,8 +84,8 @@ def _nearest(case: Case) -> Found:
 def _pyfm_zoomout(case: Case) -> Found:
     """pyFM's functional maps as its front page fits them (WKS, orientation term), ZoomOut from 30 to 120 functions."""
     # Installed only where peers are asked for.
-    from pyFM.functional import FunctionalMapping  # noqa: PLC0415
-    from pyFM.mesh import TriMesh  # noqa: PLC0415
+    from pyFM.functional import FunctionalMapping
+    from pyFM.mesh import TriMesh
 
     if case.source[1] is None or case.target[1] is None:
         raise isograft.InvalidInput("pyFM with ZoomOut is run on meshes only")
