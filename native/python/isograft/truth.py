@@ -53,10 +53,10 @@ def load_truth(path: str | os.PathLike[str]) -> Truth:
     name = os.fspath(path)
     try:
         if name.lower().endswith(".npz"):
-            arrays = np.load(path, allow_pickle=False)
-            if not isinstance(arrays, np.lib.npyio.NpzFile):
-                raise InvalidInput(f"{name}: the truth needs the arrays tri and w in one file; it holds a single array")
-            with arrays:
+            with Path(path).open("rb") as file:
+                arrays = np.load(file, allow_pickle=False)
+                if not isinstance(arrays, np.lib.npyio.NpzFile):
+                    raise InvalidInput(f"{name}: the truth needs the arrays tri and w; the file holds a single array")
                 missing = {"tri", "w"} - set(arrays.files)
                 if missing:
                     raise InvalidInput(f"{name}: the truth needs the arrays tri and w; it has {sorted(arrays.files)}")
