@@ -26,7 +26,7 @@ class Task:
 
 
 class ReceiverError(Exception):
-    """Matching one object failed; the text names it. The cause is the engine's error."""
+    """An object cannot be matched; the text names it. The cause is the engine's error."""
 
 
 class Job:
@@ -88,16 +88,14 @@ class Job:
 
     def _match_all(self) -> list[Any]:
         task = self._task
-        try:
-            donor = isograft.Surface(*task.donor)
-        except (isograft.InvalidInput, isograft.ResourceLimit) as error:
-            raise ReceiverError(f"{task.donor_name}: {error}") from error
+        # All of them first: a mesh that is refused is refused before minutes are spent on the others.
+        donor = _surface(task.donor_name, task.donor)
+        receivers = [(name, _surface(name, arrays)) for name, arrays in task.receivers]
         results = []
-        for index, (name, arrays) in enumerate(task.receivers):
+        for index, (name, receiver) in enumerate(receivers):
             if self._cancelled.is_set():
                 raise isograft.Cancelled("cancelled by the caller")
             try:
-                receiver = isograft.Surface(*arrays)
                 results.append(isograft.match(receiver, donor, progress=self._progress_of(index, name), **task.options))
             except (isograft.InvalidInput, isograft.ResourceLimit) as error:
                 raise ReceiverError(f"{name}: {error}") from error
@@ -112,3 +110,10 @@ class Job:
             return not self._cancelled.is_set()
 
         return report
+
+
+def _surface(name: str, arrays: SurfaceArrays) -> isograft.Surface:
+    try:
+        return isograft.Surface(*arrays)
+    except (isograft.InvalidInput, isograft.ResourceLimit) as error:
+        raise ReceiverError(f"{name}: {error}") from error

@@ -9,6 +9,9 @@ import shapes
 
 Array = np.ndarray[Any, Any]
 
+QUICK = {"preset": "fast", "scale": "FIXED"}
+"""Settings of a match whose accuracy is not what is tested."""
+
 CUT = -0.55
 """Height over the sphere of directions below which the receiver is cut away."""
 

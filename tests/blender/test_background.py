@@ -12,7 +12,7 @@ from scenes import Pair, uvs
 
 EXPRESSION = """
 import bpy
-bpy.ops.object.isograft_match(preset='fast')
+bpy.ops.object.isograft_match(preset='fast', scale='FIXED')
 bpy.ops.object.isograft_transfer(what={'UV', 'COLOR'})
 bpy.ops.wm.save_as_mainfile(filepath=bpy.data.filepath.replace('before', 'after'))
 """

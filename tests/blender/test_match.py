@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import shapes
 from conftest import add_on
-from scenes import MatchedPair, Pair, add_mesh, select, snapshot, values
+from scenes import QUICK, MatchedPair, Pair, add_mesh, select, snapshot, values
 
 TYPES = {
     "isograft_face": ("INT", "value", 1),
@@ -107,7 +107,7 @@ def test_the_id_property_tells_donor_hashes_version_options_and_scale(matched: M
 
 def test_matching_leaves_everything_else_as_it_was(pair: Pair) -> None:
     donor, receiver = snapshot(pair.donor), snapshot(pair.receiver)
-    assert bpy.ops.object.isograft_match(preset="fast") == {"FINISHED"}
+    assert bpy.ops.object.isograft_match(**QUICK) == {"FINISHED"}
     after = snapshot(pair.receiver)
     after["attributes"] = [a for a in after["attributes"] if not a[0].startswith("isograft_")]
     after["properties"].remove("isograft")
@@ -130,7 +130,7 @@ def test_several_receivers_are_matched_each_on_its_own(pair: Pair) -> None:
     turned = shapes.surface_points(directions)[:, [1, 2, 0]] + 3
     second = add_mesh("Second", turned, triangles)
     select(pair.donor, pair.receiver, second)
-    assert bpy.ops.object.isograft_match(preset="fast") == {"FINISHED"}
+    assert bpy.ops.object.isograft_match(**QUICK) == {"FINISHED"}
     for obj in (pair.receiver, second):
         assert obj["isograft"]["donor"] == "Donor"
         assert len(written(obj)["isograft_face"]) == len(obj.data.vertices)
@@ -145,7 +145,7 @@ def test_a_mirrored_object_is_matched_as_it_is_seen(pair: Pair) -> None:
     pair.receiver.data.update()
     pair.receiver.scale = mirrored
     select(pair.donor, pair.receiver)
-    assert bpy.ops.object.isograft_match(preset="fast") == {"FINISHED"}
+    assert bpy.ops.object.isograft_match(**QUICK) == {"FINISHED"}
     found = errors(pair)
     assert len(found) > 0.6 * len(pair.truth)
     assert np.median(found) < 3.0
@@ -157,7 +157,7 @@ def test_a_mirrored_donor_gives_weights_of_its_own_loop_triangles(pair: Pair) ->
     pair.donor.data.update()
     pair.donor.scale = (1, -1, 1)
     select(pair.donor, pair.receiver)
-    assert bpy.ops.object.isograft_match(preset="fast") == {"FINISHED"}
+    assert bpy.ops.object.isograft_match(**QUICK) == {"FINISHED"}
     found = written(pair.receiver)
     vertices, triangles = plain(pair.donor)
     ok = found["isograft_face"] >= 0
@@ -172,7 +172,7 @@ def test_matching_again_replaces_the_attributes_instead_of_adding_more(matched: 
     matched.receiver.data.attributes.remove(matched.receiver.data.attributes["isograft_face"])
     matched.receiver.data.attributes.new("isograft_face", "FLOAT", "FACE")
     select(matched.donor, matched.receiver)
-    assert bpy.ops.object.isograft_match(preset="fast") == {"FINISHED"}
+    assert bpy.ops.object.isograft_match(**QUICK) == {"FINISHED"}
     assert sorted(attribute.name for attribute in matched.receiver.data.attributes) == names
     assert matched.receiver.data.attributes["isograft_face"].data_type == "INT"
 
@@ -182,5 +182,5 @@ def test_unequal_surfaces_do_not_end_in_an_error(pair: Pair) -> None:
     flat = np.stack([directions[:, 0] * 5, directions[:, 1], 0.2 * directions[:, 2]], axis=1)
     other = add_mesh("Pebble", flat, triangles)
     select(pair.donor, other)
-    assert bpy.ops.object.isograft_match(preset="fast") == {"FINISHED"}
+    assert bpy.ops.object.isograft_match(**QUICK) == {"FINISHED"}
     assert len(written(other)["isograft_face"]) == len(directions)

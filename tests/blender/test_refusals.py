@@ -12,7 +12,7 @@ import isograft
 import numpy as np
 import pytest
 from conftest import add_on
-from scenes import MatchedPair, Pair, add_color, add_mesh, add_uv, select, snapshot
+from scenes import QUICK, MatchedPair, Pair, add_color, add_mesh, add_uv, select, snapshot
 
 TRIANGLE = np.eye(3)
 
@@ -81,7 +81,7 @@ def test_one_receiver_that_fails_leaves_the_others_untouched(pair: Pair) -> None
     bad = add_mesh("Bad", TRIANGLE * np.nan, [(0, 1, 2)])
     select(pair.donor, pair.receiver, bad)
     with refused("Bad: "):
-        bpy.ops.object.isograft_match(preset="fast")
+        bpy.ops.object.isograft_match(**QUICK)
 
 
 def test_a_mesh_that_is_shared_is_refused_before_anything_runs(pair: Pair) -> None:
@@ -136,7 +136,7 @@ def test_an_object_edited_while_the_match_runs_gets_nothing(
 
     monkeypatch.setattr(operators, "Job", Disturbed)
     with pytest.raises(RuntimeError, match=f"{name} was edited while the match ran"):
-        bpy.ops.object.isograft_match(preset="fast")
+        bpy.ops.object.isograft_match(**QUICK)
     assert "isograft" not in pair.receiver
     assert not [a for a in pair.receiver.data.attributes if a.name.startswith("isograft")]
 
@@ -231,7 +231,7 @@ def test_the_job_ends_with_cancelled_and_keeps_no_result(pair: Pair) -> None:
 def test_the_jobs_progress_rises_over_all_receivers_and_ends_at_one(pair: Pair) -> None:
     job_module, matching = add_on("job"), add_on("matching")
     second = add_mesh("Second", *shape_of(pair.donor))
-    plan = matching.plan(pair.donor, [pair.receiver, second], bpy.context, {"preset": "fast"})
+    plan = matching.plan(pair.donor, [pair.receiver, second], bpy.context, {"preset": "fast", "scale": "fixed"})
     job = job_module.Job(plan.task())
     seen = []
     job.start()
