@@ -5,8 +5,8 @@ Exit code 1, with the reason on stderr, if a test failed, fewer than MINIMUM wer
 """
 
 import sys
-import xml.etree.ElementTree as ElementTree
 from pathlib import Path
+from xml.etree import ElementTree
 
 
 def count(path: Path) -> tuple[int, int, int]:
