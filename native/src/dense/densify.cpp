@@ -2,7 +2,9 @@
 #include "dense/densify.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numeric>
 #include <string>
@@ -33,12 +35,19 @@ struct Landing {
 
 struct VertexImage {
     SurfacePoint point;
+    Eigen::Vector3d position = Eigen::Vector3d::Zero();
     double confidence = 0.0;
     double stretch = 0.0;
     int region = -1;
 };
 
-// Where the samples near vertex `v` say it goes.
+// The mean of points on the target that lie near each other.
+SurfacePoint settle(const TriangleMesh& target, const SurfacePoint& start, const Eigen::Vector3d& mean) {
+    const Complex step = flatten(target, start.face, mean - position(target, start));
+    return std::abs(step) > 1e-12 ? trace(target, start, step, std::abs(step)).end : start;
+}
+
+// Where the samples near coarse vertex `v` say it goes.
 VertexImage image_of(int v, const PartialMap& map, const Pair& pair, const SampleNotes& notes,
                      const DenseOptions& options) {
     const TriangleMesh& target = pair.target.mesh;
@@ -72,8 +81,37 @@ VertexImage image_of(int v, const PartialMap& map, const Pair& pair, const Sampl
     const auto start = std::min_element(landings.begin(), landings.end(), [&](const Landing& a, const Landing& b) {
         return (a.position - mean).squaredNorm() < (b.position - mean).squaredNorm();
     });
-    const Complex step = flatten(target, start->point.face, mean - start->position);
-    image.point = std::abs(step) > 1e-12 ? trace(target, start->point, step, std::abs(step)).end : start->point;
+    image.point = settle(target, start->point, mean);
+    image.position = position(target, image.point);
+    return image;
+}
+
+// A fine vertex between the coarse ones of its triangle.
+VertexImage between(const SurfacePoint& place, const std::vector<VertexImage>& coarse, const Pair& pair) {
+    const auto& corners = pair.source.mesh.face[place.face];
+    VertexImage image;
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    double total = 0.0;
+    int heaviest = -1;
+    for (int k = 0; k < 3; ++k) {
+        const VertexImage& c = coarse[corners[k]];
+        if (c.point.face < 0) continue;
+        mean += place.weight[k] * c.position;
+        image.confidence += place.weight[k] * c.confidence;
+        image.stretch += place.weight[k] * c.stretch;
+        total += place.weight[k];
+        if (heaviest < 0 || place.weight[k] > place.weight[heaviest]) heaviest = k;
+    }
+    if (total < 0.5) return image;
+    mean /= total;
+    const VertexImage& nearest = coarse[corners[heaviest]];
+    // Corners torn apart do not average to anything.
+    const double apart = (nearest.position - mean).norm();
+    image.point = apart < 2.0 * pair.source.samples.spacing ? settle(pair.target.mesh, nearest.point, mean)
+                                                            : nearest.point;
+    image.confidence /= total;
+    image.stretch /= total;
+    image.region = nearest.region;
     return image;
 }
 
@@ -88,22 +126,23 @@ void unmatch_all(Correspondence& c, Eigen::Index n) {
     c.confidence = Eigen::VectorXd::Zero(n);
 }
 
-void write_row(Correspondence& c, Eigen::Index row, const VertexImage& image, const TriangleMesh& mesh,
-               const Surface& target) {
-    const int f = image.point.face;
-    const int input = mesh.input_face[f];
-    std::array<double, 3> weight = image.point.weight;
-    if (mesh.input_reversed[f]) std::swap(weight[1], weight[2]);
+void write_row(Correspondence& c, Eigen::Index row, const VertexImage& image, const Detail& target) {
+    SurfacePoint point = image.point;
+    if (!target.coarse.fine_vertex.empty()) point = to_fine(target.coarse, target.fine, image.point);
+    const TriangleMesh& mesh = target.fine;
+    const Surface& surface = target.surface;
+    const int input = mesh.input_face[point.face];
+    if (mesh.input_reversed[point.face]) std::swap(point.weight[1], point.weight[2]);
     c.face[row] = input;
-    Eigen::RowVector3d point = Eigen::RowVector3d::Zero();
+    Eigen::RowVector3d x = Eigen::RowVector3d::Zero();
     int largest = 0;
     for (int k = 0; k < 3; ++k) {
-        c.barycentric(row, k) = weight[k];
-        point += weight[k] * target.vertices().row(target.faces()(input, k));
-        if (weight[k] > weight[largest]) largest = k;
+        c.barycentric(row, k) = point.weight[k];
+        x += point.weight[k] * surface.vertices().row(surface.faces()(input, k));
+        if (point.weight[k] > point.weight[largest]) largest = k;
     }
-    c.points.row(row) = point;
-    c.vertex[row] = target.faces()(input, largest);
+    c.points.row(row) = x;
+    c.vertex[row] = surface.faces()(input, largest);
     c.confidence[row] = image.confidence;
     c.stretch[row] = image.stretch;
     c.region[row] = image.region;
@@ -141,25 +180,38 @@ void drop_collisions(PartialMap& map, const Pair& pair, const std::vector<double
 }
 
 Correspondence densify(const PartialMap& map, const Pair& pair, const SampleNotes& notes, const DenseOptions& options,
-                       const Surface& source, const Surface& target, int threads, Monitor& monitor, double from,
+                       const Detail& source, const Detail& target, int threads, Monitor& monitor, double from,
                        double to) {
-    const TriangleMesh& mesh = pair.source.mesh;
-    std::vector<VertexImage> images(mesh.vertex_count());
     constexpr int block = 256;
-    parallel_for(
-        (mesh.vertex_count() + block - 1) / block, threads,
-        [&](int b, int /*worker*/) {
-            const int end = std::min(mesh.vertex_count(), (b + 1) * block);
-            for (int v = b * block; v < end; ++v) images[v] = image_of(v, map, pair, notes, options);
-        },
-        monitor, "dense", from, to);
+    const auto for_each = [&](int count, double begin, double end, const std::function<void(int)>& task) {
+        parallel_for(
+            (count + block - 1) / block, threads,
+            [&](int b, int /*worker*/) {
+                for (int v = b * block; v < std::min(count, (b + 1) * block); ++v) task(v);
+            },
+            monitor, "dense", begin, end);
+    };
+    const double middle = 0.5 * (from + to);
+    const int coarse_count = pair.source.mesh.vertex_count();
+    std::vector<VertexImage> coarse(coarse_count);
+    for_each(coarse_count, from, middle, [&](int v) { coarse[v] = image_of(v, map, pair, notes, options); });
+    const bool same = source.coarse.fine_vertex.empty();
+    const int fine_count = source.fine.vertex_count();
+    std::vector<VertexImage> images(fine_count);
+    for_each(fine_count, middle, to, [&](int v) {
+        if (same) {
+            images[v] = coarse[v];
+        } else if (source.coarse.place[v].face >= 0) {
+            images[v] = between(source.coarse.place[v], coarse, pair);
+        }
+    });
     Correspondence result;
-    unmatch_all(result, source.vertices().rows());
-    for (int v = 0; v < mesh.vertex_count(); ++v) {
-        const int row = mesh.input_vertex[v];
+    unmatch_all(result, source.surface.vertices().rows());
+    for (int v = 0; v < fine_count; ++v) {
+        const int row = source.fine.input_vertex[v];
         // A vertex that was split keeps its surer copy.
-        if (images[v].point.face < 0 || images[v].confidence < result.confidence[row]) continue;
-        if (images[v].region >= 0) write_row(result, row, images[v], pair.target.mesh, target);
+        if (images[v].point.face < 0 || images[v].region < 0 || images[v].confidence < result.confidence[row]) continue;
+        write_row(result, row, images[v], target);
     }
     return result;
 }

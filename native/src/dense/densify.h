@@ -5,6 +5,7 @@
 
 #include "feature/pair.h"
 #include "growth/partial_map.h"
+#include "hierarchy/coarse_mesh.h"
 #include "isograft/correspondence.h"
 #include "isograft/options/dense.h"
 #include "isograft/surface.h"
@@ -22,12 +23,13 @@ struct SampleNotes {
 /// \param risk per sample, lower is surer.
 void drop_collisions(PartialMap& map, const Pair& pair, const std::vector<double>& risk, double radius);
 
-/// From the samples to every input vertex: each is traced from the samples near it, and the places averaged.
+/// From the samples to every input vertex: each coarse vertex is traced from the samples near it and the places
+/// averaged; fine vertices follow the coarse triangle they lie in; images are put back on the fine target.
 ///
 /// Vertices without a mapped sample within `options.reach` spacings stay unmatched.
-/// \param source, target the surfaces of `pair`, whose units and indices the result is in.
+/// \param source, target what the result's indices and units refer to.
 Correspondence densify(const PartialMap& map, const Pair& pair, const SampleNotes& notes, const DenseOptions& options,
-                       const Surface& source, const Surface& target, int threads, Monitor& monitor, double from,
+                       const Detail& source, const Detail& target, int threads, Monitor& monitor, double from,
                        double to);
 
 }  // namespace isograft

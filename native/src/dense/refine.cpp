@@ -9,7 +9,6 @@
 #include <Eigen/Eigenvalues>
 
 #include "base/parallel.h"
-#include "feature/curvature.h"
 #include "geodesic/trace.h"
 #include "growth/relax.h"
 
@@ -19,7 +18,6 @@ namespace {
 
 // Small enough to tell a centimetre on a body, large enough to see shape.
 constexpr double ray_radius = 0.06;
-constexpr double smoothing_time = 1.5e-4;
 // A distance at which the term has lost half its pull.
 constexpr double soft = 0.02;
 
@@ -83,15 +81,12 @@ void refine(PartialMap& map, const Pair& pair, const FeatureOptions& features, c
             const DenseOptions& options, int threads, Monitor& monitor, double from, double to) {
     const Samples& source = pair.source.samples;
     if (options.refine_weight <= 0.0 || options.refine_iterations == 0 || map.count == 0) return;
-    const auto source_curvature = mean_curvature(pair.source.mesh, smoothing_time);
-    monitor.check();
-    const auto target_curvature = mean_curvature(pair.target.mesh, smoothing_time);
     std::vector<PolarDescriptor> wanted(source.count());
     parallel_for(
         source.count(), threads,
         [&](int s, int /*worker*/) {
             if (map.mapped[s]) {
-                wanted[s] = ray_descriptor(pair.source.mesh, source.point[s], source_curvature, ray_radius, 1.0, 0.0,
+                wanted[s] = ray_descriptor(pair.source.mesh, source.point[s], pair.source_detail, ray_radius, 1.0, 0.0,
                                            features);
             }
         },
@@ -108,7 +103,7 @@ void refine(PartialMap& map, const Pair& pair, const FeatureOptions& features, c
             source.count(), threads,
             [&](int s, int /*worker*/) {
                 if (!now.mapped[s]) return;
-                const auto stencil = sample_stencil(pair, target_curvature, wanted[s], now.image[s], now.rotation[s],
+                const auto stencil = sample_stencil(pair, pair.target_detail, wanted[s], now.image[s], now.rotation[s],
                                                     features);
                 if (stencil) terms[s] = fit_term(*stencil);
             },

@@ -4,19 +4,17 @@
 #include <algorithm>
 
 #include "base/random.h"
-#include "feature/curvature.h"
 
 namespace isograft {
 
-void describe(Pair& pair, const FeatureOptions& options, std::uint64_t seed, int threads, Monitor& monitor, double from,
-              double to) {
+double curvature_time(const FeatureOptions& options) {
     // One umbrella step on a mesh of 5,000 vertices a unit area spreads about a fourth of a squared edge.
     constexpr double edge = 0.0141;
-    const double time = std::max(0.5, static_cast<double>(options.smoothing)) * edge * edge / 4.0;
-    pair.source_curvature = mean_curvature(pair.source.mesh, time);
-    monitor.check();
-    pair.target_curvature = mean_curvature(pair.target.mesh, time);
-    monitor.check();
+    return std::max(0.5, static_cast<double>(options.smoothing)) * edge * edge / 4.0;
+}
+
+void describe(Pair& pair, const FeatureOptions& options, std::uint64_t seed, int threads, Monitor& monitor, double from,
+              double to) {
     const double middle = 0.5 * (from + to);
     pair.source_descriptor = window_descriptors(pair.source.mesh, pair.source.samples.point, pair.source_curvature, 1.0,
                                                 options, threads, monitor, from, middle);

@@ -14,14 +14,20 @@ struct Pair {
     SampledMesh source, target;
     /// Per mesh vertex, smoothed mean curvature in one over the unit length.
     std::vector<double> source_curvature, target_curvature;
+    /// The same with less smoothing, for refinement.
+    std::vector<double> source_detail, target_detail;
     /// Per sample.
     std::vector<PolarDescriptor> source_descriptor, target_descriptor;
     /// Median distance of descriptors that have nothing to do with each other: the unit of mismatch().
     double chance = 1.0;
 };
 
-/// Curvature and descriptors of both surfaces, and what chance gives.
-/// \param pair `source` and `target` are filled in; the rest is computed.
+/// Heat flow times of Pair's two curvatures, in squared unit lengths.
+double curvature_time(const FeatureOptions& options);
+constexpr double detail_time = 1.5e-4;
+
+/// Descriptors of both surfaces, and what chance gives.
+/// \param pair meshes, samples and curvatures are filled in; the rest is computed.
 void describe(Pair& pair, const FeatureOptions& options, std::uint64_t seed, int threads, Monitor& monitor, double from,
               double to);
 

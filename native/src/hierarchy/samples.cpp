@@ -24,6 +24,7 @@ void HierarchyOptions::validate() const {
     require(base_reach >= 1.0 && base_reach <= 5.0, "base_reach must be in [1, 5]");
     require(level_reach >= 1.0 && level_reach <= 5.0, "level_reach must be in [1, 5]");
     require(reshoot_tolerance > 0.0 && reshoot_tolerance < 1.0, "reshoot_tolerance must be in (0, 1)");
+    require(coarse_edge >= 0.0 && coarse_edge <= 1.0, "coarse_edge must be in [0, 1]");
 }
 
 double sample_spacing(double area, int samples) {

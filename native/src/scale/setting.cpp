@@ -10,6 +10,7 @@
 
 #include "base/parallel.h"
 #include "base/stopwatch.h"
+#include "feature/curvature.h"
 #include "growth/patches.h"
 #include "scale/find_scale.h"
 #include "seed/oriented_match.h"
@@ -29,41 +30,81 @@ void note(MatchReport& report, const std::string& name, double seconds, std::int
     }
 }
 
-std::vector<SurfacePoint> landmark_points(const TriangleMesh& mesh, const std::vector<Landmark>& landmarks,
+Detail make_detail(const Surface& surface, const CoarseMesh& base, double base_edge, double factor, double edge,
+                   Monitor& monitor) {
+    Detail detail{surface, scaled(surface.mesh(), factor), {}};
+    if (edge <= 1.25 * base_edge * factor) {
+        detail.coarse = base;
+        detail.coarse.mesh = scaled(base.mesh, factor);
+    } else {
+        detail.coarse = coarsen(detail.fine, edge, monitor);
+    }
+    return detail;
+}
+
+std::vector<SurfacePoint> landmark_points(const Detail& detail, const std::vector<Landmark>& landmarks,
                                           int Landmark::* end) {
     std::vector<SurfacePoint> points;
+    const auto& input = detail.fine.input_vertex;
     for (const Landmark& l : landmarks) {
-        const auto found = std::find(mesh.input_vertex.begin(), mesh.input_vertex.end(), l.*end);
-        // An unreferenced vertex has no surface around it; match() has refused those.
-        points.push_back(point_near_vertex(mesh, static_cast<int>(found - mesh.input_vertex.begin())));
+        // match() has refused vertices that are not there.
+        const auto v = static_cast<int>(std::find(input.begin(), input.end(), l.*end) - input.begin());
+        points.push_back(detail.coarse.place.empty() ? point_near_vertex(detail.fine, v) : detail.coarse.place[v]);
     }
     return points;
 }
 
-PreparedPair prepare(const Surface& source, const Surface& target, const Setting& setting, const MatchOptions& options,
+// A surface with the coarse mesh that serves every setting in which it is the larger one.
+struct Side {
+    Surface surface;
+    CoarseMesh coarse;
+    double edge = 0.0;
+};
+
+Side make_side(const Surface& surface, const HierarchyOptions& options, Monitor& monitor) {
+    const double side = std::sqrt(surface.mesh().area);
+    Side result{surface, {}, options.coarse_edge * sample_spacing(1.0, options.samples) * side};
+    if (result.edge > 0.0) {
+        result.coarse = coarsen(surface.mesh(), result.edge, monitor);
+    } else {
+        result.coarse.mesh = surface.mesh();
+    }
+    return result;
+}
+
+PreparedPair prepare(const Side& source, const Side& target, const Setting& setting, const MatchOptions& options,
                      MatchReport& report, Monitor& monitor, double from, double to) {
     Stopwatch watch;
-    PreparedPair prepared{setting, setting.source_reversed ? source.with_open_parts_reversed() : source,
-                          setting.target_reversed ? target.with_open_parts_reversed() : target, {}, 1.0};
-    const TriangleMesh& s = prepared.source.mesh();
-    const TriangleMesh& t = prepared.target.mesh();
-    const double source_area = s.area * setting.scale * setting.scale;
-    prepared.unit = std::sqrt(std::max(source_area, t.area));
-    const double smaller = std::min(source_area, t.area) / (prepared.unit * prepared.unit);
+    const Surface& s = source.surface;
+    const Surface& t = target.surface;
+    const double source_area = s.mesh().area * setting.scale * setting.scale;
+    const double unit = std::sqrt(std::max(source_area, t.mesh().area));
+    const double smaller = std::min(source_area, t.mesh().area) / (unit * unit);
     const HierarchyOptions& hierarchy = options.hierarchy;
     const double spacing =
         std::min(sample_spacing(1.0, hierarchy.samples), sample_spacing(smaller, hierarchy.min_samples));
+    const double edge = hierarchy.coarse_edge * spacing;
+    PreparedPair prepared{setting, make_detail(s, source.coarse, source.edge, setting.scale / unit, edge, monitor),
+                          make_detail(t, target.coarse, target.edge, 1.0 / unit, edge, monitor), {}, unit};
     Pair& pair = prepared.pair;
-    pair.source.mesh = scaled(s, setting.scale / prepared.unit);
-    pair.target.mesh = scaled(t, 1.0 / prepared.unit);
+    pair.source.mesh = prepared.source.coarse.mesh;
+    pair.target.mesh = prepared.target.coarse.mesh;
     const double third = (to - from) / 3.0;
     pair.source.samples = make_samples(pair.source.mesh, spacing, hierarchy, options.random_seed + 1, options.threads,
                                        monitor, from, from + 0.5 * third,
-                                       landmark_points(pair.source.mesh, options.landmarks, &Landmark::source));
+                                       landmark_points(prepared.source, options.landmarks, &Landmark::source));
     pair.target.samples = make_samples(pair.target.mesh, spacing, hierarchy, options.random_seed + 2, options.threads,
                                        monitor, from + 0.5 * third, from + third,
-                                       landmark_points(pair.target.mesh, options.landmarks, &Landmark::target));
+                                       landmark_points(prepared.target, options.landmarks, &Landmark::target));
     note(report, "samples", watch.lap(), pair.source.samples.bytes() + pair.target.samples.bytes());
+    const auto curvature = [&](const Detail& detail, double time) {
+        monitor.check();
+        return at_coarse(detail.coarse, mean_curvature(detail.fine, time));
+    };
+    pair.source_curvature = curvature(prepared.source, curvature_time(options.feature));
+    pair.target_curvature = curvature(prepared.target, curvature_time(options.feature));
+    pair.source_detail = curvature(prepared.source, detail_time);
+    pair.target_detail = curvature(prepared.target, detail_time);
     describe(pair, options.feature, options.random_seed + 3, options.threads, monitor, from + third, to);
     const auto descriptors = pair.source_descriptor.size() + pair.target_descriptor.size();
     note(report, "features", watch.lap(), static_cast<std::int64_t>(descriptors * sizeof(PolarDescriptor)));
@@ -93,37 +134,38 @@ double probe_setting(const Pair& pair, const MatchOptions& options, Monitor& mon
     return std::accumulate(quality.begin(), quality.begin() + half, 0.0) / half;
 }
 
-std::vector<Setting> possible_settings(const Surface& source, const Surface& target, const MatchOptions& options,
-                                       MatchReport& report, Monitor& monitor, double from, double to) {
-    std::vector<Setting> sides{Setting{}};
-    // Turning both over changes nothing, so one is enough.
-    if (source.orientation_is_ambiguous()) {
-        sides.push_back({1.0, true, false});
-    } else if (target.orientation_is_ambiguous()) {
-        sides.push_back({1.0, false, true});
-    }
-    std::vector<Setting> settings;
-    for (std::size_t i = 0; i < sides.size(); ++i) {
-        Setting setting = sides[i];
-        if (options.scale.mode != ScaleMode::automatic) {
-            setting.scale = options.scale.mode == ScaleMode::given ? options.scale.value : 1.0;
-            settings.push_back(setting);
-            continue;
+struct Choice {
+    Setting setting;
+    const Side* source;
+    const Side* target;
+};
+
+std::vector<Choice> possible_settings(const std::vector<Side>& sources, const std::vector<Side>& targets,
+                                      const MatchOptions& options, MatchReport& report, Monitor& monitor, double from,
+                                      double to) {
+    std::vector<Choice> choices;
+    for (const Side& s : sources) {
+        for (const Side& t : targets) {
+            Setting setting;
+            setting.source_reversed = &s != &sources.front();
+            setting.target_reversed = &t != &targets.front();
+            if (options.scale.mode != ScaleMode::automatic) {
+                setting.scale = options.scale.mode == ScaleMode::given ? options.scale.value : 1.0;
+                choices.push_back({setting, &s, &t});
+                continue;
+            }
+            Stopwatch watch;
+            const ScaleVotes votes = vote_scale(s.coarse.mesh, t.coarse.mesh, options.feature, options.scale,
+                                                options.random_seed + 4, options.threads, monitor, from, to);
+            const double root = std::sqrt(t.surface.mesh().area / s.surface.mesh().area);
+            for (const double scale : scale_candidates(votes, root)) {
+                setting.scale = scale;
+                choices.push_back({setting, &s, &t});
+            }
+            note(report, "scale", watch.lap(), 0);
         }
-        const Surface s = setting.source_reversed ? source.with_open_parts_reversed() : source;
-        const Surface t = setting.target_reversed ? target.with_open_parts_reversed() : target;
-        const double step = (to - from) / static_cast<double>(sides.size());
-        Stopwatch watch;
-        const ScaleVotes votes =
-            vote_scale(s.mesh(), t.mesh(), options.feature, options.scale, options.random_seed + 4, options.threads,
-                       monitor, from + static_cast<double>(i) * step, from + static_cast<double>(i + 1) * step);
-        for (const double scale : scale_candidates(votes, std::sqrt(t.mesh().area / s.mesh().area))) {
-            setting.scale = scale;
-            settings.push_back(setting);
-        }
-        note(report, "scale", watch.lap(), 0);
     }
-    return settings;
+    return choices;
 }
 
 }  // namespace
@@ -131,14 +173,25 @@ std::vector<Setting> possible_settings(const Surface& source, const Surface& tar
 PreparedPair prepare_pair(const Surface& source, const Surface& target, const MatchOptions& options,
                           MatchReport& report, Monitor& monitor, double from, double to) {
     const double voted = from + 0.3 * (to - from);
-    const std::vector<Setting> settings = possible_settings(source, target, options, report, monitor, from, voted);
+    Stopwatch coarsening;
+    std::vector<Side> sources{make_side(source, options.hierarchy, monitor)};
+    std::vector<Side> targets{make_side(target, options.hierarchy, monitor)};
+    // Turning both over changes nothing, so one is enough.
+    if (source.orientation_is_ambiguous()) {
+        sources.push_back(make_side(source.with_open_parts_reversed(), options.hierarchy, monitor));
+    } else if (target.orientation_is_ambiguous()) {
+        targets.push_back(make_side(target.with_open_parts_reversed(), options.hierarchy, monitor));
+    }
+    note(report, "surface", coarsening.lap(), 0);
+    const std::vector<Choice> settings = possible_settings(sources, targets, options, report, monitor, from, voted);
     std::optional<PreparedPair> best;
     double best_quality = 0.0;
     for (std::size_t i = 0; i < settings.size(); ++i) {
         const double step = (to - voted) / static_cast<double>(settings.size());
         const double begin = voted + static_cast<double>(i) * step;
         PreparedPair prepared =
-            prepare(source, target, settings[i], options, report, monitor, begin, begin + 0.8 * step);
+            prepare(*settings[i].source, *settings[i].target, settings[i].setting, options, report, monitor, begin,
+                    begin + 0.8 * step);
         if (settings.size() == 1) {
             best = std::move(prepared);
             break;

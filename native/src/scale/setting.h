@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "feature/pair.h"
+#include "hierarchy/coarse_mesh.h"
 #include "isograft/match.h"
 
 namespace isograft {
@@ -21,8 +22,8 @@ struct Setting {
 /// A pair under a setting, sampled and described.
 struct PreparedPair {
     Setting setting;
-    /// The surfaces as used, which a reversed setting changes.
-    Surface source, target;
+    /// The surfaces as used (a reversed setting changes them), fine and coarse.
+    Detail source, target;
     Pair pair;
     /// The pair's unit length in the target's units.
     double unit = 1.0;

@@ -17,6 +17,8 @@ struct HierarchyOptions {
     double level_reach = 2.0;
     /// An edge whose window length and traced length differ by more than this share is dropped.
     double reshoot_tolerance = 0.08;
+    /// Finer meshes are coarsened to edges of this length before windows are run on them; 0 never does.
+    double coarse_edge = 0.48;
 
     template <class Visitor>
     void visit(Visitor&& visitor) {
@@ -26,6 +28,7 @@ struct HierarchyOptions {
         visitor("base_reach", base_reach);
         visitor("level_reach", level_reach);
         visitor("reshoot_tolerance", reshoot_tolerance);
+        visitor("coarse_edge", coarse_edge);
     }
 
     /// \throw InvalidInput naming the first field that is out of range.

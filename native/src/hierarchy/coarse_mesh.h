@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "geodesic/surface_point.h"
+#include "isograft/monitor.h"
+#include "isograft/surface.h"
+
+namespace isograft {
+
+/// A mesh of even, moderate resolution to work on, and the way between it and the fine one.
+///
+/// Windows cost what they reach, and maps gain nothing from triangles far smaller than the sample spacing.
+struct CoarseMesh {
+    TriangleMesh mesh;
+    /// Per coarse vertex the fine vertex it is. Empty if the fine mesh was coarse enough and `mesh` is the same.
+    std::vector<int> fine_vertex;
+    /// Per fine vertex its place on the coarse mesh. Empty as above.
+    std::vector<SurfacePoint> place;
+    /// Per coarse vertex the fine vertices whose nearest coarse vertex it is. Empty as above.
+    std::vector<std::vector<int>> members;
+};
+
+/// A surface, its mesh in the pair's unit, and the coarse mesh its half of the pair works on.
+struct Detail {
+    Surface surface;
+    TriangleMesh fine;
+    CoarseMesh coarse;
+};
+
+/// Collapse short edges until about `edge` long ones are left; nothing is done to a mesh within a third of that.
+///
+/// Vertices that stay keep their position, so that whatever is known of them stays true. Topology, boundaries and
+/// orientation are kept. O(#V log #V).
+CoarseMesh coarsen(const TriangleMesh& fine, double edge, Monitor& monitor);
+
+/// The point of the fine mesh at a point of the coarse one.
+SurfacePoint to_fine(const CoarseMesh& coarse, const TriangleMesh& fine, const SurfacePoint& point);
+
+/// Values of fine vertices at the coarse ones.
+std::vector<double> at_coarse(const CoarseMesh& coarse, const std::vector<double>& fine_values);
+
+}  // namespace isograft
