@@ -25,12 +25,12 @@ STANDING = {
 STRIDING = {
     "spine.2": (0, 2, 5), "spine.3": (2, 2, 6), "spine.4": (2, 0, 6),
     "neck.1": (10, 0, 14), "neck.2": (8, 4, 14), "head": (4, 8, 12),
-    "tail.1": (4, 0, 8), "tail.2": (5, 0, 13), "tail.3": (6, 0, 15), "tail.4": (7, 0, 15), "tail.5": (8, 0, 13),
-    "tail.6": (8, 0, 10),
-    "upper_arm.L": (-24, 0, 4), "forearm.L": (-24, 0, 0), "wrist.L": (22, 0, 0), "paw.L": (16, 0, 0),
-    "upper_arm.R": (20, 0, 0), "forearm.R": (-8, 0, 0), "wrist.R": (8, 0, 0), "paw.R": (-12, 0, 0),
-    "thigh.L": (18, 0, 0), "shin.L": (-12, 0, 0), "hock.L": (14, 0, 0), "foot.L": (10, 0, 0),
-    "thigh.R": (-20, 0, 0), "shin.R": (10, 0, 0), "hock.R": (-8, 0, 0), "foot.R": (10, 0, 0),
+    "tail.1": (2, 0, 5), "tail.2": (3, 0, 7), "tail.3": (4, 0, 8), "tail.4": (5, 0, 8), "tail.5": (5, 0, 8),
+    "tail.6": (5, 0, 6),
+    "upper_arm.L": (-22, 0, 3), "forearm.L": (-15, 0, 0), "wrist.L": (14, 0, 0), "paw.L": (10, 0, 0),
+    "upper_arm.R": (18, 0, 0), "forearm.R": (-8, 0, 0), "wrist.R": (8, 0, 0), "paw.R": (-12, 0, 0),
+    "thigh.L": (16, 0, 0), "shin.L": (-10, 0, 0), "hock.L": (12, 0, 0), "foot.L": (10, 0, 0),
+    "thigh.R": (-17, 0, 0), "shin.R": (8, 0, 0), "hock.R": (-6, 0, 0), "foot.R": (8, 0, 0),
 }  # fmt: skip
 
 
@@ -158,7 +158,7 @@ def uv_regions(mesh: bpy.types.Mesh) -> Array:
     side = np.where(x > 0, 0, 1)
     region = side.copy()
     for number, joints, low, high in ((2, FORE, -0.1, 1.15), (6, HIND, -1.3, -0.05)):
-        f, s, u = np.array(joints).T
+        _, s, u = np.array(joints).T
         top = up < (0.74 if number == 2 else 0.82)
         limb = top & (forward > low) & (forward < high) & (np.abs(x) > 0.17)
         middle = np.interp(up, u[::-1], s[::-1])

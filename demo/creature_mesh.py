@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 
 from demo.creature_shape import BOX
@@ -119,7 +121,7 @@ def largest_component(vertices: Array, faces: Array) -> tuple[Array, Array]:
     return keep_vertices(vertices, faces, label == np.bincount(label).argmax())
 
 
-def write_ply(path: str, vertices: Array, triangles: Array) -> None:
+def write_ply(path: Path, vertices: Array, triangles: Array) -> None:
     """Binary little-endian PLY with single-precision positions."""
     header = (
         "ply\nformat binary_little_endian 1.0\n"
@@ -128,7 +130,7 @@ def write_ply(path: str, vertices: Array, triangles: Array) -> None:
     )
     rows = np.empty(len(triangles), dtype=[("n", "u1"), ("v", "<i4", 3)])
     rows["n"], rows["v"] = 3, triangles
-    with open(path, "wb") as file:
+    with path.open("wb") as file:
         file.write(header.encode("ascii"))
         file.write(np.ascontiguousarray(vertices, "<f4").tobytes())
         file.write(rows.tobytes())

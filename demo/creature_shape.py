@@ -103,7 +103,9 @@ def _head(shape: Shape) -> None:
             ),
         )  # fmt: skip
     shape.add(ellipsoid(place(1.72, 0, 1.545), (0.22, 0.25, 0.03), carve=True, blend=0.03))
-    shape.add(*curve([place(*p) for p in LONG_HORN], (0.09, 0.082, 0.072, 0.06, 0.046, 0.028), blend=0.04, label="horn"))
+    shape.add(
+        *curve([place(*p) for p in LONG_HORN], (0.09, 0.082, 0.072, 0.06, 0.046, 0.028), blend=0.04, label="horn")
+    )
     shape.add(*curve([place(*p) for p in SHORT_HORN], (0.095, 0.082, 0.064, 0.034), blend=0.04, label="horn"))
     shape.add(tapered_capsule(place(1.52, 0.05, 1.44), place(1.56, 0.06, 1.3), 0.05, 0.02, blend=0.05, label="horn"))
     shape.add(tapered_capsule(place(1.4, -0.05, 1.48), place(1.4, -0.07, 1.37), 0.045, 0.022, blend=0.05, label="horn"))
@@ -118,10 +120,10 @@ def _forelimb(shape: Shape, side: int) -> None:
         tapered_capsule(at(0.54, 0.34, 1.02), at(0.4, 0.4, 0.68), 0.185, 0.135, blend=0.1),
         ellipsoid(at(0.32, 0.4, 0.86), (0.1, 0.11, 0.18), blend=0.07),
         ellipsoid(at(0.6, 0.41, 0.84), (0.09, 0.09, 0.15), blend=0.06),
-        tapered_capsule(at(0.4, 0.4, 0.68), at(0.58, 0.39, 0.3), 0.13, 0.095, blend=0.06),
-        ellipsoid(at(0.5, 0.45, 0.52), (0.09, 0.1, 0.15), blend=0.05),
-        tapered_capsule(at(0.58, 0.39, 0.3), at(0.66, 0.39, 0.12), 0.1, 0.12, blend=0.06),
-        ellipsoid(at(0.7, 0.39, 0.1), (0.17, 0.18, 0.1), blend=0.06),
+        tapered_capsule(at(0.4, 0.4, 0.68), at(0.58, 0.39, 0.3), 0.15, 0.12, blend=0.06),
+        ellipsoid(at(0.48, 0.47, 0.53), (0.11, 0.12, 0.17), blend=0.05),
+        tapered_capsule(at(0.58, 0.39, 0.3), at(0.66, 0.39, 0.14), 0.125, 0.14, blend=0.06),
+        ellipsoid(at(0.7, 0.39, 0.11), (0.19, 0.19, 0.115), blend=0.06),
         tapered_capsule(at(0.33, 0.4, 0.7), at(0.18, 0.42, 0.76), 0.07, 0.025, blend=0.05, label="claw"),
     )
     for toe, (s, f) in enumerate(((0.27, 0.86), (0.39, 0.92), (0.51, 0.85))):
@@ -141,29 +143,49 @@ def _hindlimb(shape: Shape, side: int) -> None:
         tapered_capsule(at(-0.66, 0.28, 0.94), at(-0.44, 0.36, 0.64), 0.21, 0.13, blend=0.1),
         ellipsoid(at(-0.8, 0.32, 0.78), (0.1, 0.13, 0.16), blend=0.08),
         ellipsoid(at(-0.4, 0.37, 0.66), (0.09, 0.08, 0.1), blend=0.05),
-        tapered_capsule(at(-0.44, 0.36, 0.64), at(-0.9, 0.33, 0.4), 0.13, 0.075, blend=0.05),
-        ellipsoid(at(-0.66, 0.36, 0.5), (0.09, 0.15, 0.08), blend=0.06),
-        tapered_capsule(at(-0.95, 0.33, 0.46), at(-0.89, 0.33, 0.36), 0.06, 0.085, blend=0.05),
-        tapered_capsule(at(-0.9, 0.33, 0.4), at(-0.78, 0.33, 0.12), 0.08, 0.085, blend=0.05),
-        tapered_capsule(at(-0.78, 0.33, 0.09), at(-0.56, 0.34, 0.07), 0.09, 0.085, blend=0.06),
+        tapered_capsule(at(-0.44, 0.36, 0.64), at(-0.9, 0.33, 0.4), 0.155, 0.105, blend=0.05),
+        ellipsoid(at(-0.64, 0.39, 0.49), (0.12, 0.16, 0.1), blend=0.06),
+        tapered_capsule(at(-0.98, 0.33, 0.5), at(-0.89, 0.33, 0.36), 0.06, 0.11, blend=0.05),
+        tapered_capsule(at(-0.9, 0.33, 0.4), at(-0.78, 0.33, 0.14), 0.11, 0.11, blend=0.05),
+        tapered_capsule(at(-0.78, 0.33, 0.12), at(-0.56, 0.34, 0.1), 0.12, 0.11, blend=0.06),
     )
-    for s, f in ((0.25, 0.4), (0.42, 0.44)):
+    for s, f in ((0.23, 0.38), (0.44, 0.42)):
         shape.add(
-            tapered_capsule(at(-0.62, 0.34, 0.08), at(-f, s, 0.07), 0.08, 0.07, blend=0.03),
-            tapered_capsule(at(-f + 0.02, s, 0.09), at(-f + 0.2, s + 0.01, 0.03), 0.055, 0.024, blend=0.03, label="claw"),
+            tapered_capsule(at(-0.62, 0.34, 0.1), at(-f, s, 0.09), 0.1, 0.09, blend=0.03),
+            tapered_capsule(
+                at(-f + 0.02, s, 0.11), at(-f + 0.22, s + 0.01, 0.035), 0.07, 0.026, blend=0.03, label="claw"
+            ),
         )
-    shape.add(tapered_capsule(at(-0.84, 0.33, 0.15), at(-1.0, 0.33, 0.06), 0.055, 0.024, blend=0.04, label="claw"))
+    shape.add(tapered_capsule(at(-0.84, 0.33, 0.17), at(-1.05, 0.33, 0.06), 0.065, 0.026, blend=0.04, label="claw"))
 
 
 def _tail(shape: Shape) -> None:
-    radii = (0.27, 0.215, 0.17, 0.135, 0.11, 0.095, 0.1)
+    radii = (0.28, 0.24, 0.21, 0.185, 0.165, 0.15, 0.16)
     for i in range(len(TAIL) - 1):
         shape.add(tapered_capsule(place(*TAIL[i]), place(*TAIL[i + 1]), radii[i], radii[i + 1], blend=0.1))
-    shape.add(ellipsoid(place(-2.72, 0, 0.73), (0.2, 0.19, 0.16), blend=0.08))
-    for f, s, u, size in ((-2.6, 0.36, 0.84, 0.075), (-2.86, -0.3, 0.66, 0.1), (-2.78, 0.05, 1.05, 0.085),
-                          (-3.06, 0.12, 0.78, 0.09), (-2.62, -0.26, 0.96, 0.06), (-2.66, 0.28, 0.6, 0.055)):  # fmt: skip
-        base = 0.45 * np.array((f, s, u)) + 0.55 * np.array((-2.72, 0.0, 0.73))
-        shape.add(tapered_capsule(place(*base), place(f, s, u), size, 0.022, blend=0.05, label="horn"))
+    shape.add(ellipsoid(place(-2.74, 0.02, 0.73), (0.26, 0.24, 0.2), blend=0.08))
+    for f, s, u, size in (
+        (-2.6, 0.44, 0.86, 0.1), (-2.9, -0.4, 0.62, 0.13), (-2.8, 0.06, 1.14, 0.11),
+        (-3.14, 0.14, 0.78, 0.115), (-2.58, -0.34, 1.0, 0.08), (-2.66, 0.34, 0.5, 0.075),
+    ):  # fmt: skip
+        base = 0.45 * np.array((f, s, u)) + 0.55 * np.array((-2.74, 0.02, 0.73))
+        shape.add(tapered_capsule(place(*base), place(f, s, u), size, 0.026, blend=0.05, label="horn"))
+
+    for f, s, u, length, size in (
+        (-1.12, 0.2, 1.02, 0.3, 0.105), (-1.5, -0.17, 0.86, 0.24, 0.09),
+        (-1.86, 0.14, 0.74, 0.17, 0.07), (-0.98, -0.22, 0.98, 0.13, 0.08),
+    ):  # fmt: skip
+        side = np.sign(s)
+        shape.add(
+            tapered_capsule(
+                place(f, s, u),
+                place(f - 0.5 * length, s + side * length, u + 0.1),
+                size,
+                0.028,
+                blend=0.06,
+                label="horn",
+            )
+        )
 
 
 def _top(shape: Shape, forward: float) -> float:
@@ -198,7 +220,8 @@ def _armour(shape: Shape) -> None:
                 size = rng.uniform(0.05, 0.1) * (1.0 if forward > -1.2 else 0.65)
                 turn = side * (angle + rng.uniform(-0.12, 0.12))
                 point, normal = _on_flank(bare, forward, turn)
-                along = np.cross(normal, (1.0, 0.0, 0.0)) if abs(normal[0]) < 0.7 else np.cross((0.0, 0.0, 1.0), normal)
+                across = (1.0, 0.0, 0.0) if abs(normal[0]) < 0.7 else (0.0, 0.0, 1.0)
+                along = np.cross(normal, across)
                 along /= np.linalg.norm(along)
                 axes = np.stack([along, np.cross(normal, along), normal], axis=1)
                 shape.add(
@@ -239,7 +262,9 @@ def _relief(shape: Shape) -> None:
 
     def ribs(p: Array, d: Array) -> Array:
         forward, up = -p[:, 1], p[:, 2]
-        mask = np.exp(-(((forward - 0.08) / 0.3) ** 4) - ((up - 1.0) / 0.24) ** 4) * np.clip(np.abs(p[:, 0]) / 0.2, 0, 1)
+        mask = np.exp(-(((forward - 0.08) / 0.3) ** 4) - ((up - 1.0) / 0.24) ** 4) * np.clip(
+            np.abs(p[:, 0]) / 0.2, 0, 1
+        )
         return 0.013 * mask * np.sin(2 * np.pi * (forward + 0.35 * (up - 1.0)) / 0.125)
 
     def scutes(p: Array, d: Array) -> Array:

@@ -62,7 +62,9 @@ def ranges_at(ranges: Array, pixels: Array, jump: float) -> Array:
     inside = ((low >= 0) & (low < (height - 1, width - 1))).all(axis=1)
     row, column = np.where(inside[:, None], low, 0).T
     fr, fc = (pixels - low).T
-    four = np.stack([ranges[row, column], ranges[row, column + 1], ranges[row + 1, column], ranges[row + 1, column + 1]])
+    four = np.stack(
+        [ranges[row, column], ranges[row, column + 1], ranges[row + 1, column], ranges[row + 1, column + 1]]
+    )
     mix = np.stack([(1 - fr) * (1 - fc), (1 - fr) * fc, fr * (1 - fc), fr * fc])
     smooth = np.isfinite(four).all(axis=0) & (np.ptp(np.nan_to_num(four), axis=0) < jump)
     return np.where(inside & smooth, (four * mix).sum(axis=0), np.nan)

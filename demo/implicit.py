@@ -38,7 +38,7 @@ def tapered_capsule(
     label: str = "body",
     flat: tuple[Sequence[float], float] | None = None,
 ) -> Part:
-    """A capsule from `a` to `b` whose radius changes linearly; `flat=(direction, factor)` thins it along a direction."""
+    """A capsule from `a` to `b` whose radius changes linearly; `flat=(direction, factor)` thins it."""
     start, end = np.asarray(a, float), np.asarray(b, float)
     axis = end - start
     length2 = float(axis @ axis)
@@ -130,9 +130,7 @@ class Shape:
 
     def gradient(self, points: Array, step: float = 2e-3) -> Array:
         """Central differences (n, 3)."""
-        columns = []
-        for axis in np.eye(3):
-            columns.append(self.value(points + step * axis) - self.value(points - step * axis))
+        columns = [self.value(points + step * axis) - self.value(points - step * axis) for axis in np.eye(3)]
         return np.stack(columns, axis=1) / (2.0 * step)
 
     def project(self, points: Array, steps: int = 4) -> Array:

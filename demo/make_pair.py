@@ -60,8 +60,8 @@ def main(folder: Path) -> None:
     print(f"demo: poses: median stretch of an edge {median_stretch(standing, striding, triangles):.1%}")
 
     moved = rigid_motion(result.vertices, TURN_AXIS, TURN_DEGREES, SHIFT)
-    write_ply(str(folder / "donor.ply"), standing, triangles)
-    write_ply(str(folder / "scan.ply"), moved, result.triangles)
+    write_ply(folder / "donor.ply", standing, triangles)
+    write_ply(folder / "scan.ply", moved, result.triangles)
     np.savez(folder / "truth.npz", tri=result.tri, w=result.w)
     scanned = scene.add_mesh("Scan", moved, result.triangles)
     scanned.data.materials.append(scene.plain_material("Bare scan", scene.BARE))

@@ -37,10 +37,7 @@ def read(path: Path, name: str) -> bpy.types.Object:
         refuse(str(error))
     if not len(file.faces):
         refuse(f"{path}: holds no faces; the demo needs surfaces")
-    if path.suffix.lower() == ".obj":
-        item = import_obj(path)
-    else:
-        item = from_file(file)
+    item = import_obj(path) if path.suffix.lower() == ".obj" else from_file(file)
     item.name = item.data.name = name
     item.data.polygons.foreach_set("use_smooth", np.ones(len(item.data.polygons), bool))
     return item
@@ -97,10 +94,8 @@ def dress(donor: bpy.types.Object) -> str:
         donor.data.materials.clear()
         donor.data.materials.append(scene.checker_material("Checker", CELLS * 3.0))
         return "its own UV map, shown with a checker"
-    if donor.data.color_attributes:
-        layer = donor.data.color_attributes[0].name
-    else:
-        layer = position_colours(donor)
+    given = donor.data.color_attributes
+    layer = given[0].name if given else position_colours(donor)
     donor.data.materials.clear()
     donor.data.materials.append(scene.attribute_material("Colours", layer))
     unwrap(donor)

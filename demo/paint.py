@@ -100,7 +100,9 @@ def paint(shape: Shape, points: Array, normals: Array, crevice: Array) -> tuple[
     plate = ramp(lead[:, 1], 0.0, 0.03)
     tip = ramp(up - np.interp(forward, (-1.9, -0.9, 0.1, 0.6, 0.95), (0.9, 1.34, 1.46, 1.58, 1.58)), 0.0, 0.24)
     veins = ramp(np.sin(2 * np.pi * (forward + 0.3 * up) / 0.07 + 2 * swirl(points, 0.3, 9)), 0.2, 0.9)
-    flame = mix(mix(np.tile((0.33, 0.035, 0.03), (len(points), 1)), FLAME, ramp(tip, 0.1, 0.6)), EMBER, ramp(tip, 0.55, 1.0))
+    flame = mix(
+        mix(np.tile((0.33, 0.035, 0.03), (len(points), 1)), FLAME, ramp(tip, 0.1, 0.6)), EMBER, ramp(tip, 0.55, 1.0)
+    )
     colour = mix(colour, (1.0 - 0.35 * veins)[:, None] * flame, plate)
     horn = ramp(lead[:, 0], -0.005, 0.012)
     reach = np.linalg.norm(points - np.where(forward > 0, 1, 0)[:, None] * np.array(place(1.3, 0.0, 1.85)), axis=1)

@@ -84,7 +84,7 @@ def undress(item: bpy.types.Object, materials: list[bpy.types.Material]) -> None
 
 
 def arrange(items: list[bpy.types.Object], words: list[str], size: tuple[int, int]) -> list[bpy.types.Object]:
-    """Stand the objects side by side before the camera, hide all other meshes, and put words under each: the captions."""
+    """Stand the objects side by side before the camera, hide other meshes, and put words under each: the captions."""
     line_up(items, AZIMUTH, 0.08)
     for item in bpy.context.scene.objects:
         if item.type == "MESH" and item.name != "Ground":
@@ -96,7 +96,9 @@ def arrange(items: list[bpy.types.Object], words: list[str], size: tuple[int, in
     return captions
 
 
-def take(donor: bpy.types.Object, before: bpy.types.Object, after: bpy.types.Object, out: Path, samples: int = 32) -> None:
+def take(
+    donor: bpy.types.Object, before: bpy.types.Object, after: bpy.types.Object, out: Path, samples: int = 32
+) -> None:
     """Render before_after.png, checker.png and confidence.png into `out`; leaves the three arranged and textured."""
     stand(donor)
     for item in (before, after):
@@ -113,7 +115,9 @@ def take(donor: bpy.types.Object, before: bpy.types.Object, after: bpy.types.Obj
         for item, materials in worn.items():
             undress(item, materials)
     confidence_picture(after, out / "confidence.png")
-    arrange([donor, before, after], ["complete model", "partial scan, another pose", "the scan after Isograft"], (1800, 590))
+    arrange(
+        [donor, before, after], ["complete model", "partial scan, another pose", "the scan after Isograft"], (1800, 590)
+    )
     scene.render(str(out / "before_after.png"))
 
 

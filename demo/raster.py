@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What of a surface lies under each texel of its UV map, and the bleeding of colours over island borders; numpy alone."""
+"""What of a surface lies under each texel of its UV map, and colours bled over island borders; numpy alone."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ def rasterize(uv: Array, size: int) -> tuple[Array, Array, Array]:
     while smaller < extent.max():
         limit = max(8, 2 * smaller)
         bucket = np.flatnonzero((extent > smaller) & (extent <= limit))
-        for chunk in np.array_split(bucket, max(1, len(bucket) * limit * limit // 2_000_000)):
-            found.append(_covered(pixel, low, chunk, limit, size))
+        chunks = np.array_split(bucket, max(1, len(bucket) * limit * limit // 2_000_000))
+        found.extend(_covered(pixel, low, chunk, limit, size) for chunk in chunks)
         smaller = limit
     texel, triangle, weights = (np.concatenate(columns) for columns in zip(*found, strict=True))
     _, first = np.unique(texel, return_index=True)
@@ -42,14 +42,20 @@ def _covered(pixel: Array, low: Array, chunk: Array, limit: int, size: int) -> t
     weights = np.stack([1.0 - second - third, second, third], axis=-1)
     with np.errstate(invalid="ignore"):
         hit = (weights >= -1e-9).all(axis=-1) & (spots >= 0).all(axis=-1) & (spots < size).all(axis=-1)
-    return (spots[..., 1] * size + spots[..., 0])[hit], np.repeat(chunk, len(offsets)).reshape(hit.shape)[hit], weights[hit]
+    return (
+        (spots[..., 1] * size + spots[..., 0])[hit],
+        np.repeat(chunk, len(offsets)).reshape(hit.shape)[hit],
+        weights[hit],
+    )
 
 
 def bleed(image: Array, painted: Array, texels: int) -> Array:
     """Image (s, s, c) with its painted texels (s, s) spread outwards, so that filtering never meets an empty one."""
     image, painted = image.copy(), painted.copy()
     for step in range(texels):
-        shifts = ((1, 0), (-1, 0), (0, 1), (0, -1)) if step % 2 else ((1, 1), (-1, -1), (1, -1), (-1, 1), (1, 0), (0, 1))
+        shifts = (
+            ((1, 0), (-1, 0), (0, 1), (0, -1)) if step % 2 else ((1, 1), (-1, -1), (1, -1), (-1, 1), (1, 0), (0, 1))
+        )
         for shift in shifts:
             other = np.roll(painted, shift, (0, 1)) & ~painted
             image[other] = np.roll(image, shift, (0, 1))[other]

@@ -112,7 +112,10 @@ def studio(samples: int) -> None:
     sky.inputs["Strength"].default_value = 0.55
     ground = add_mesh("Ground", np.array([(-80, -80, 0), (80, -80, 0), (80, 80, 0), (-80, 80, 0)]), [(0, 1, 2, 3)])
     ground.data.materials.append(plain_material("Ground", BACKDROP, 1.0))
-    for name, energy, soft, direction in (("Key", 2.3, 0.12, (-0.55, 0.75, -1.0)), ("Fill", 0.35, 0.6, (-1.0, -0.5, -0.5))):
+    for name, energy, soft, direction in (
+        ("Key", 2.3, 0.12, (-0.55, 0.75, -1.0)),
+        ("Fill", 0.35, 0.6, (-1.0, -0.5, -0.5)),
+    ):
         lamp = bpy.data.lights.new(name, "SUN")
         lamp.energy, lamp.angle = energy, soft
         item = bpy.data.objects.new(name, lamp)
@@ -123,7 +126,9 @@ def studio(samples: int) -> None:
     scene.camera = camera
 
 
-def frame(items: list[bpy.types.Object], azimuth: float, elevation: float, size: tuple[int, int], below: float = 0.0) -> None:
+def frame(
+    items: list[bpy.types.Object], azimuth: float, elevation: float, size: tuple[int, int], below: float = 0.0
+) -> None:
     """Aim a long lens at the objects so that they fill the picture.
 
     `azimuth` in degrees from the creature's forward direction (-Y) to its left (+X); `below` widens the picture at the
@@ -181,7 +186,6 @@ def level(captions: list[bpy.types.Object]) -> None:
 
 def colour_bar(colours: Array, under: bpy.types.Object) -> bpy.types.Object:
     """A bar of linear colours (n, 4) from left to right, facing the camera, just above a caption."""
-    camera = bpy.context.scene.camera
     size = under.data.size
     x = np.linspace(-4.0, 4.0, len(colours)) * size
     rows = [np.column_stack([x, np.full(len(x), y * size), np.zeros(len(x))]) for y in (1.05, 1.4)]
