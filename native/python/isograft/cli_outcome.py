@@ -19,7 +19,7 @@ NOTHING_MATCHED = 3
 CANCELLED = 130
 
 
-class BadInput(Exception):  # noqa: N818  (as isograft.InvalidInput)
+class BadInput(Exception):
     """An input file cannot be opened, or an output cannot be written where it should be."""
 
 
