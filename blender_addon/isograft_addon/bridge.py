@@ -127,16 +127,19 @@ def read_uv_layers(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> lis
 def read_colors(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> list[CornerLayer]:
     """The colour attributes of the evaluated mesh, linear RGBA, values (n, 4) or (l, 4) by domain."""
     with _Evaluated(obj, depsgraph) as mesh:
-        render = mesh.color_attributes.render_color_index
+        # Of the object's own mesh where it has colours: choosing another one does not evaluate the mesh again.
+        choice = obj.data.color_attributes if len(obj.data.color_attributes) else mesh.color_attributes
+        index = choice.render_color_index
+        render = choice[index].name if 0 <= index < len(choice) else ""
         return [
             CornerLayer(
                 layer.name,
                 layer.domain,
                 layer.data_type,
                 _get(layer.data, "color", np.float32, 4).astype(float),
-                index == render,
+                layer.name == render,
             )
-            for index, layer in enumerate(mesh.color_attributes)
+            for layer in mesh.color_attributes
         ]
 
 
@@ -178,13 +181,20 @@ def write_uv_layer(obj: bpy.types.Object, name: str, values: Array, make_active:
     active = layers.active.name if layers.active else None
     render = next((layer.name for layer in layers if layer.active_render), None)
     if layers.get(name) is None:
-        layers.new(name=name, do_init=False)
+        # Blender may have to choose another name: UV maps and attributes share theirs from 4.0 on.
+        name = layers.new(name=name, do_init=False).name
     layers[name].data.foreach_set("uv", np.ascontiguousarray(values, dtype=np.float32).ravel())
     if make_active or active is None:
         active = render = name
     layers.active = layers[active]
     if render is not None:
         layers[render].active_render = True
+
+
+def activate_color(obj: bpy.types.Object, name: str) -> None:
+    """Make a colour attribute the one that is shown and rendered."""
+    colors = obj.data.color_attributes
+    colors.active_color_index = colors.render_color_index = colors.find(name)
 
 
 def write_polygon_materials(obj: bpy.types.Object, slots: list[Any], index: Array) -> None:

@@ -38,15 +38,20 @@ class Graft:
 
     def write(self) -> Messages:
         """Write it all; returns what to report."""
+        mesh = self.receiver.data
+        # What the donor shows is shown, unless the receiver has something of its own to show.
+        show_uv = self.polygon_slots is not None or not len(mesh.uv_layers)
+        show_color = not len(mesh.color_attributes)
         for layer in self.uv_layers:
-            bridge.write_uv_layer(
-                self.receiver, layer.name, layer.values, layer.is_render and self.polygon_slots is not None
-            )
+            bridge.write_uv_layer(self.receiver, layer.name, layer.values, show_uv and layer.is_render)
         for layer in self.colors:
             bridge.write_attribute(self.receiver, layer.name, layer.domain, layer.data_type, layer.values)
+        for layer in self.colors:
+            if show_color and layer.is_render:
+                bridge.activate_color(self.receiver, layer.name)
         if self.polygon_slots is not None:
             bridge.write_polygon_materials(self.receiver, self.slots, self.polygon_slots)
-        self.receiver.data.update()
+        mesh.update()
         return self.messages
 
 
@@ -128,7 +133,9 @@ def _graft(
 ) -> Graft:
     graft = Graft(pair.receiver)
     has_faces = np.zeros(0, dtype=bool)
-    taken = {layer.name for layer in pair.receiver.data.uv_layers}
+    mesh = pair.receiver.data
+    count = len(mesh.uv_layers)
+    taken = {layer.name for layer in (*mesh.uv_layers, *mesh.attributes)}
     for layer in uv_layers:
         moved = transfer.transfer_corner_uv(
             pair.correspondence,
@@ -139,9 +146,10 @@ def _graft(
         has_faces = pair.whole_polygons(moved.mask)
         name = _name(layer.name, taken, settings.overwrite)
         graft.uv_layers.append(CornerLayer(name, "CORNER", "UV", pair.to_loops(moved.uv, moved.mask), layer.is_render))
-    if len(taken) > MAX_UV_LAYERS:
+    count += sum(layer.name not in mesh.uv_layers for layer in graft.uv_layers)
+    if count > MAX_UV_LAYERS:
         raise RefusedError(f"{pair.name} would get more than {MAX_UV_LAYERS} UV maps; remove some, or choose Overwrite")
-    taken = {attribute.name for attribute in pair.receiver.data.attributes}
+    taken |= {layer.name for layer in graft.uv_layers}
     for layer in colors:
         name = _name(layer.name, taken, settings.overwrite)
         graft.colors.append(CornerLayer(name, layer.domain, layer.data_type, _color(pair, layer)))
@@ -175,10 +183,10 @@ def _materials(pair: _Pair, has_uv: Array, materials: list[Any], polygon_materia
     if not slots and not has_uv.all():
         slots.append(None)
     slot_of = np.zeros(len(materials), dtype=np.int32)
-    for index, material in enumerate(materials):
+    for donor_slot, material in enumerate(materials):
         if material not in slots:
             slots.append(material)
-        slot_of[index] = slots.index(material)
+        slot_of[donor_slot] = slots.index(material)
     index = bridge.read_own_polygon_materials(pair.receiver)
     first = np.unique(pair.arrays.triangle_polygons, return_index=True)[1]
     face = pair.correspondence.face[pair.arrays.triangles[first, 0]][has_uv]

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Operators: read the settings, let the bridge read, compute, let the bridge write, report."""
 
+from collections.abc import Callable
 from typing import Any
 
 import bpy
@@ -25,7 +26,7 @@ def participants(context: bpy.types.Context) -> tuple[Any, list[Any]]:
 def selection_problem(context: bpy.types.Context) -> str:
     """What to select first; empty if the selection will do."""
     if context.mode != "OBJECT":
-        return "Leave to Object Mode first (Tab)"
+        return "Switch to Object Mode first (Tab)"
     donor, receivers = participants(context)
     if donor is None or donor.type != "MESH":
         return "Make a mesh the active object: it gives"
@@ -35,6 +36,10 @@ def selection_problem(context: bpy.types.Context) -> str:
 
 
 class _DonorToReceivers:
+    # Of bpy.types.Operator, which Blender wants to see last among the bases.
+    report: Callable[..., None]
+    poll_message_set: Callable[[str], None]
+
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod

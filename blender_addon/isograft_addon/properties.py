@@ -26,7 +26,7 @@ WHAT = (
     ("COLOR", "Colours", "All colour attributes, of points and of face corners"),
 )
 
-_OVERRIDES = {
+_OVERRIDES: dict[str, tuple[str, str, dict[str, float]]] = {
     "hierarchy_samples": (
         "Samples",
         "Points per unit area on which the map is found; unless set, the preset decides",

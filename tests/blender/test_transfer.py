@@ -237,3 +237,20 @@ def test_the_donors_rendered_uv_map_becomes_the_receivers(matched: MatchedPair) 
     add_uv(matched.receiver, "Own", np.zeros((len(matched.receiver.data.loops), 2)))
     graft(matched)
     assert [layer.name for layer in matched.receiver.data.uv_layers if layer.active_render] == ["Second"]
+
+
+def test_the_donors_rendered_colour_is_shown_on_a_receiver_without_colours(matched: MatchedPair) -> None:
+    colors = matched.donor.data.color_attributes
+    colors.render_color_index = colors.find("Corners")
+    graft(matched, what={"COLOR"})
+    received = matched.receiver.data.color_attributes
+    assert received.active_color.name == "Corners"
+    assert received[received.render_color_index].name == "Corners"
+
+
+def test_a_uv_map_finds_a_free_name_beside_an_attribute_of_the_same_name(matched: MatchedPair) -> None:
+    matched.receiver.data.attributes.new("Atlas", "FLOAT", "POINT")
+    graft(matched)
+    assert [layer.name for layer in matched.receiver.data.uv_layers] == ["Atlas.001"]
+    assert uvs(matched.receiver, "Atlas.001").any()
+    assert matched.receiver.data.attributes["Atlas"].data_type == "FLOAT"
