@@ -152,7 +152,7 @@ def _graft(
     taken |= {layer.name for layer in graft.uv_layers}
     for layer in colors:
         name = _name(layer.name, taken, settings.overwrite)
-        graft.colors.append(CornerLayer(name, layer.domain, layer.data_type, _color(pair, layer)))
+        graft.colors.append(CornerLayer(name, layer.domain, layer.data_type, _color(pair, layer), layer.is_render))
     if polygon_materials is not None:
         graft.slots, graft.polygon_slots = _materials(pair, has_faces, materials, polygon_materials)
     graft.messages = _messages(pair, graft, has_faces if uv_layers else None)
