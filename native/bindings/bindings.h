@@ -59,8 +59,5 @@ py::array_t<typename Derived::Scalar> to_numpy(const Eigen::MatrixBase<Derived>&
 
 }  // namespace isograft::bindings
 
-/// Of transfer.cpp. Weak: the module also builds without that part.
-#if defined(__GNUC__)
-__attribute__((weak))
-#endif
+/// Likewise of transfer.h.
 void bind_transfer(py::module_& m);

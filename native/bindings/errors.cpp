@@ -12,7 +12,8 @@ void bind_errors(py::module_& m) {
     py::register_exception<Cancelled>(m, "Cancelled", PyExc_Exception).attr("__module__") = "isograft";
     m.attr("InvalidInput").attr("__doc__") =
         "The input cannot be used; the text says what is wrong, where, and what to do next.";
-    m.attr("ResourceLimit").attr("__doc__") = "The input is larger than the limits of this build or the memory allowed.";
+    m.attr("ResourceLimit").attr("__doc__") =
+        "The input is larger than the limits of this build or the memory allowed.";
     m.attr("Cancelled").attr("__doc__") = "The caller asked to stop. Nothing is left behind.";
 }
 

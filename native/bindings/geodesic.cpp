@@ -14,8 +14,8 @@ void bind_geodesic(py::module_& m) {
             Eigen::VectorXd distances;
             {
                 const py::gil_scoped_release release;
-                distances = geodesic_distances(
-                    surface, face, Eigen::Vector3d(barycentric[0], barycentric[1], barycentric[2]));
+                distances =
+                    geodesic_distances(surface, face, Eigen::Vector3d(barycentric[0], barycentric[1], barycentric[2]));
             }
             return to_numpy(distances);
         },

@@ -16,9 +16,8 @@ std::string flat_name(const char* stage, const char* field) { return std::string
 
 py::dict to_dict(MatchOptions& options) {
     py::dict fields;
-    options.visit([&](const char* stage, const char* name, auto& field) {
-        fields[py::str(flat_name(stage, name))] = field;
-    });
+    options.visit(
+        [&](const char* stage, const char* name, auto& field) { fields[py::str(flat_name(stage, name))] = field; });
     return fields;
 }
 
@@ -58,9 +57,9 @@ std::vector<Landmark> to_landmarks(const IntArray& pairs) {
     return landmarks;
 }
 
-Match match_arrays(const Surface& source, const Surface& target, const std::string& preset,
-                   const py::dict& overrides, const IntArray& landmarks, const std::string& scale_mode,
-                   double scale_value, int threads, std::uint64_t seed, const py::object& progress) {
+Match match_arrays(const Surface& source, const Surface& target, const std::string& preset, const py::dict& overrides,
+                   const IntArray& landmarks, const std::string& scale_mode, double scale_value, int threads,
+                   std::uint64_t seed, const py::object& progress) {
     MatchOptions options = preset_options(preset);
     apply(overrides, options);
     set_scale(scale_mode, scale_value, options.scale);

@@ -8,5 +8,5 @@ PYBIND11_MODULE(_native, m) {
     isograft::bindings::bind_correspondence(m);
     isograft::bindings::bind_match(m);
     isograft::bindings::bind_geodesic(m);
-    if (&bind_transfer != nullptr) bind_transfer(m);
+    bind_transfer(m);
 }

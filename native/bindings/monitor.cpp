@@ -117,8 +117,7 @@ void run_with_progress(const py::object& progress, const std::function<void(Moni
         {
             const py::gil_scoped_release release;
             std::unique_lock lock(mailbox.mutex);
-            mailbox.changed.wait_for(lock, signal_period,
-                                     [&] { return mailbox.finished || !mailbox.reports.empty(); });
+            mailbox.changed.wait_for(lock, signal_period, [&] { return mailbox.finished || !mailbox.reports.empty(); });
             reports.swap(mailbox.reports);
             finished = mailbox.finished;
         }
