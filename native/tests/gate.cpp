@@ -47,8 +47,8 @@ void expect_manifold(const TriangleMesh& mesh) {
         ASSERT_GT(end, begin);
         int fan = 1;
         const auto out = [&](int f) {
-            return 3 * f + static_cast<int>(std::find(mesh.face[f].begin(), mesh.face[f].end(), v) -
-                                            mesh.face[f].begin());
+            return 3 * f +
+                   static_cast<int>(std::find(mesh.face[f].begin(), mesh.face[f].end(), v) - mesh.face[f].begin());
         };
         const int first = out(mesh.vertex_face[begin]);
         int h = first;

@@ -52,12 +52,12 @@ Shape grid(int nx, int ny, double dx, double dy, double shear) {
 
 Shape sphere(int levels, double radius) {
     const double g = 0.5 * (1.0 + std::sqrt(5.0));
-    std::vector<Eigen::Vector3d> vertices{{-1, g, 0}, {1, g, 0}, {-1, -g, 0}, {1, -g, 0}, {0, -1, g}, {0, 1, g},
-                                          {0, -1, -g}, {0, 1, -g}, {g, 0, -1}, {g, 0, 1}, {-g, 0, -1}, {-g, 0, 1}};
-    std::vector<std::array<int, 3>> faces{{0, 11, 5}, {0, 5, 1}, {0, 1, 7}, {0, 7, 10}, {0, 10, 11},
-                                          {1, 5, 9}, {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
-                                          {3, 9, 4}, {3, 4, 2}, {3, 2, 6}, {3, 6, 8}, {3, 8, 9},
-                                          {4, 9, 5}, {2, 4, 11}, {6, 2, 10}, {8, 6, 7}, {9, 8, 1}};
+    std::vector<Eigen::Vector3d> vertices{{-1, g, 0},  {1, g, 0},  {-1, -g, 0}, {1, -g, 0}, {0, -1, g},  {0, 1, g},
+                                          {0, -1, -g}, {0, 1, -g}, {g, 0, -1},  {g, 0, 1},  {-g, 0, -1}, {-g, 0, 1}};
+    std::vector<std::array<int, 3>> faces{{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11},
+                                          {1, 5, 9},  {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
+                                          {3, 9, 4},  {3, 4, 2},  {3, 2, 6},   {3, 6, 8},  {3, 8, 9},
+                                          {4, 9, 5},  {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
     for (auto& v : vertices) v *= radius / v.norm();
     for (int level = 0; level < levels; ++level) {
         std::map<std::pair<int, int>, int> middle;
@@ -130,7 +130,8 @@ Shape blob(int levels) {
     for (Eigen::Index v = 0; v < shape.vertices.rows(); ++v) {
         const Eigen::Vector3d p = shape.vertices.row(v);
         const double bump = 0.16 * std::sin(2.0 * p.x() + 0.4) + 0.12 * std::sin(3.0 * p.y() - 1.0 + p.x()) +
-                            0.10 * std::cos(4.0 * p.z() + 2.0 * p.x() + 0.7) + 0.07 * std::sin(5.0 * p.y() * p.z() + 2.0);
+                            0.10 * std::cos(4.0 * p.z() + 2.0 * p.x() + 0.7) +
+                            0.07 * std::sin(5.0 * p.y() * p.z() + 2.0);
         shape.vertices.row(v) = (1.0 + bump) * Eigen::Vector3d(p.x(), 0.8 * p.y(), 1.25 * p.z()).transpose();
     }
     return shape;

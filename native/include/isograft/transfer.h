@@ -90,13 +90,14 @@ struct CornerPlacement {
 TransferredValues transfer_point(const Correspondence& correspondence, const Triangles& donor_faces,
                                  const CornerValues& values, TransferMode mode);
 
-/// Connected parts of a triangle mesh under a corner attribute: triangles are joined across an edge if the values at both
-/// of its ends agree; any other edge is a seam.
+/// Connected parts of a triangle mesh under a corner attribute: triangles are joined across an edge if the values at
+/// both of its ends agree; any other edge is a seam.
 ///
 /// Folded, flipped and zero-area UV triangles join like any other; non-manifold edges join all that agree.
 /// \param values 3 #F by k, such as UVs. \param vertices empty, or #V by 3: then vertices of equal position count as
 /// one, so that meshes split along their seams are read as the closed surfaces they are.
-/// \return #F, islands numbered by their first triangle. \throw InvalidInput on wrong sizes, indices, values not finite.
+/// \return #F, islands numbered by their first triangle. \throw InvalidInput on wrong sizes, indices, values not
+/// finite.
 Eigen::VectorXi uv_islands(const Triangles& faces, const CornerValues& values, double tolerance = 1e-6,
                            const Points& vertices = Points());
 
@@ -104,10 +105,10 @@ Eigen::VectorXi uv_islands(const Triangles& faces, const CornerValues& values, d
 ///
 /// The donor triangle under the centroid of the three images decides: around it the donor is unfolded without crossing
 /// a seam, and each corner is read in this patch, at its own image if that lies in it, else at the nearest point of the
-/// patch, extended in the plane of its triangle. So seams run along receiver edges, also those inside one island (a tube
-/// cut open along a line). Receiver triangles that share a corner and a patch read it in one place.
-/// A triangle is unmatched if a corner is, or if its images are torn apart: over four times as long as the pair's
-/// median stretch says, or not connected near each other. O(#F(receiver) x donor triangles under one of them).
+/// patch, extended in the plane of its triangle. So seams run along receiver edges, also those inside one island (a
+/// tube cut open along a line). Receiver triangles that share a corner and a patch read it in one place. A triangle is
+/// unmatched if a corner is, or if its images are torn apart: over four times as long as the pair's median stretch
+/// says, or not connected near each other. O(#F(receiver) x donor triangles under one of them).
 /// \param donor_values 3 #F(donor) by k: the attribute whose jumps are the seams.
 /// \return equal bit for bit for any number of threads. \param monitor may be null.
 /// \throw InvalidInput on sizes, indices or values that do not fit; Cancelled if `monitor` asks for it.

@@ -27,8 +27,8 @@ void Anchors::measure_source(Anchor& anchor, Window& window) const {
         const auto polar = window.query(samples.point[s]);
         if (!polar) continue;
         const auto& corners = mesh.face[samples.point[s].face];
-        const auto bent = std::count_if(corners.begin(), corners.end(),
-                                        [&](int v) { return window.has(v) && window.bent(v); });
+        const auto bent =
+            std::count_if(corners.begin(), corners.end(), [&](int v) { return window.has(v) && window.bent(v); });
         anchor.source_distance[s] = static_cast<float>(polar->distance);
         anchor.source_sight[s] = bent >= 2 ? Sight::bent : Sight::straight;
     }
@@ -70,15 +70,15 @@ bool Anchors::place(const PartialMap& map, int count, Monitor& monitor) {
     for (int k = 0; k < std::min(count, most_anchors) && current >= 0; ++k) {
         monitor.check();
         Anchor anchor;
-        const auto old = std::find_if(before.begin(), before.end(), [&](const Anchor& a) { return a.sample == current; });
+        const auto old =
+            std::find_if(before.begin(), before.end(), [&](const Anchor& a) { return a.sample == current; });
         if (old != before.end()) anchor = std::move(*old);
         if (anchor.sample < 0) {
             anchor.sample = current;
             measure_source(anchor, source_window);
         }
-        const bool stayed =
-            !anchor.target_distance.empty() &&
-            (anchor.image_position - map.position[current]).norm() < same_place * samples.spacing;
+        const bool stayed = !anchor.target_distance.empty() &&
+                            (anchor.image_position - map.position[current]).norm() < same_place * samples.spacing;
         if (!stayed) {
             anchor.image = map.image[current];
             anchor.image_position = map.position[current];

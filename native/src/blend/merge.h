@@ -7,8 +7,8 @@
 
 namespace isograft {
 
-/// Add to `map` every sample on which the patches' weighted votes settle on one place (paper eq. 10, with a mode in place
-/// of the mean, so that a wrong limb does not pull the right one).
+/// Add to `map` every sample on which the patches' weighted votes settle on one place (paper eq. 10, with a mode in
+/// place of the mean, so that a wrong limb does not pull the right one).
 void merge_into(PartialMap& map, const Pair& pair, const PatchSettings& settings,
                 const std::vector<const Patch*>& patches, const std::vector<double>& weights);
 

@@ -9,8 +9,8 @@
 namespace isograft {
 
 Eigen::MatrixXd Correspondence::interpolate(const Eigen::MatrixXd& values, const Triangles& faces) const {
-    Eigen::MatrixXd result = Eigen::MatrixXd::Constant(face.size(), values.cols(),
-                                                       std::numeric_limits<double>::quiet_NaN());
+    Eigen::MatrixXd result =
+        Eigen::MatrixXd::Constant(face.size(), values.cols(), std::numeric_limits<double>::quiet_NaN());
     for (Eigen::Index i = 0; i < face.size(); ++i) {
         const int f = face[i];
         if (f < 0) continue;

@@ -12,6 +12,7 @@
 #include "base/parallel.h"
 #include "geodesic/trace.h"
 #include "isograft/errors.h"
+#include "surface/clean.h"
 
 namespace isograft {
 
@@ -56,8 +57,8 @@ VertexImage image_of(int v, const PartialMap& map, const Pair& pair, const Sampl
     for (const NearSample& near : pair.source.samples.near_vertex[v]) {
         if (!map.mapped[near.sample]) continue;
         const double d = std::max<double>(near.distance, 1e-6);
-        const Trace t = trace(target, map.image[near.sample], std::polar(1.0, static_cast<double>(near.angle)) *
-                                                                  map.rotation[near.sample], d);
+        const Trace t = trace(target, map.image[near.sample],
+                              std::polar(1.0, static_cast<double>(near.angle)) * map.rotation[near.sample], d);
         if (!t.complete) continue;
         landings.push_back({t.end, position(target, t.end), 1.0 / (d * d), near.sample});
         nearest = std::min(nearest, d);
@@ -107,8 +108,8 @@ VertexImage between(const SurfacePoint& place, const std::vector<VertexImage>& c
     const VertexImage& nearest = coarse[corners[heaviest]];
     // Corners torn apart do not average to anything.
     const double apart = (nearest.position - mean).norm();
-    image.point = apart < 2.0 * pair.source.samples.spacing ? settle(pair.target.mesh, nearest.point, mean)
-                                                            : nearest.point;
+    image.point =
+        apart < 2.0 * pair.source.samples.spacing ? settle(pair.target.mesh, nearest.point, mean) : nearest.point;
     image.confidence /= total;
     image.stretch /= total;
     image.region = nearest.region;
@@ -148,6 +149,23 @@ void write_row(Correspondence& c, Eigen::Index row, const VertexImage& image, co
     c.region[row] = image.region;
 }
 
+// Vertices that the gate welded share one image.
+void share_welded(Correspondence& c, const Detail& source) {
+    const std::vector<int> working = working_vertices(source.surface);
+    for (Eigen::Index v = 0; v < c.face.size(); ++v) {
+        if (working[v] < 0 || c.face[v] >= 0) continue;
+        const int row = source.fine.input_vertex[working[v]];
+        if (c.face[row] < 0) continue;
+        c.face[v] = c.face[row];
+        c.barycentric.row(v) = c.barycentric.row(row);
+        c.points.row(v) = c.points.row(row);
+        c.vertex[v] = c.vertex[row];
+        c.confidence[v] = c.confidence[row];
+        c.stretch[v] = c.stretch[row];
+        c.region[v] = c.region[row];
+    }
+}
+
 }  // namespace
 
 void drop_collisions(PartialMap& map, const Pair& pair, const std::vector<double>& risk, double radius) {
@@ -184,12 +202,11 @@ Correspondence densify(const PartialMap& map, const Pair& pair, const SampleNote
                        double to) {
     constexpr int block = 256;
     const auto for_each = [&](int count, double begin, double end, const std::function<void(int)>& task) {
-        parallel_for(
-            (count + block - 1) / block, threads,
-            [&](int b, int /*worker*/) {
-                for (int v = b * block; v < std::min(count, (b + 1) * block); ++v) task(v);
-            },
-            monitor, "dense", begin, end);
+        parallel_for((count + block - 1) / block, threads,
+                     [&](int b, int /*worker*/) {
+                         for (int v = b * block; v < std::min(count, (b + 1) * block); ++v) task(v);
+                     },
+                     monitor, "dense", begin, end);
     };
     const double middle = 0.5 * (from + to);
     const int coarse_count = pair.source.mesh.vertex_count();
@@ -213,6 +230,7 @@ Correspondence densify(const PartialMap& map, const Pair& pair, const SampleNote
         if (images[v].point.face < 0 || images[v].region < 0 || images[v].confidence < result.confidence[row]) continue;
         write_row(result, row, images[v], target);
     }
+    share_welded(result, source);
     return result;
 }
 

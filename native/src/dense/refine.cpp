@@ -103,8 +103,8 @@ void refine(PartialMap& map, const Pair& pair, const FeatureOptions& features, c
             source.count(), threads,
             [&](int s, int /*worker*/) {
                 if (!now.mapped[s]) return;
-                const auto stencil = sample_stencil(pair, pair.target_detail, wanted[s], now.image[s], now.rotation[s],
-                                                    features);
+                const auto stencil =
+                    sample_stencil(pair, pair.target_detail, wanted[s], now.image[s], now.rotation[s], features);
                 if (stencil) terms[s] = fit_term(*stencil);
             },
             monitor, "refinement", begin, end);

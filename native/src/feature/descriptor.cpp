@@ -100,9 +100,7 @@ Bins fill_bins(const TriangleMesh& mesh, const Window& window, const std::vector
 
 // The mean of a cell; an empty one takes its nearest filled neighbours of the same ring, or the ring's mean.
 double cell_mean(const Bins& bins, int ring, int angle, double ring_mean) {
-    const auto index = [&](int a) {
-        return ring * descriptor_angles + (a + descriptor_angles) % descriptor_angles;
-    };
+    const auto index = [&](int a) { return ring * descriptor_angles + (a + descriptor_angles) % descriptor_angles; };
     if (bins.weight[index(angle)] > 0.0) return bins.sum[index(angle)] / bins.weight[index(angle)];
     for (int k = 1; k < 4; ++k) {
         const int left = index(angle + k);
@@ -203,8 +201,7 @@ PolarDescriptor window_descriptor(const TriangleMesh& mesh, Window& window, cons
         }
         const double flat = M_PI * radius * radius * (2 * r + 1) / (descriptor_rings * descriptor_rings);
         const bool enough = visible >= descriptor_angles / 3;
-        descriptor.ring[r] =
-            enough ? static_cast<float>(bins.area[r] / flat * descriptor_angles / visible) : -1.0F;
+        descriptor.ring[r] = enough ? static_cast<float>(bins.area[r] / flat * descriptor_angles / visible) : -1.0F;
     }
     measure_visibility(descriptor);
     return descriptor;

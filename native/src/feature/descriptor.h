@@ -35,8 +35,10 @@ struct PolarDescriptor {
     bool whole = true;
 };
 
-/// Distance of `a` and `b` turned by `shift` sectors, >= 0 (curvature cells only; mean squared, rings weighted by area).
-double descriptor_distance(const PolarDescriptor& a, const PolarDescriptor& b, int shift, const FeatureOptions& options);
+/// Distance of `a` and `b` turned by `shift` sectors, >= 0 (curvature cells only; mean squared, rings weighted by
+/// area).
+double descriptor_distance(const PolarDescriptor& a, const PolarDescriptor& b, int shift,
+                           const FeatureOptions& options);
 
 /// Distance of the ring areas, >= 0: mean squared difference of logarithms times the number of rings.
 double ring_distance(const PolarDescriptor& a, const PolarDescriptor& b);

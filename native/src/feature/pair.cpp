@@ -38,8 +38,8 @@ double mismatch(const Pair& pair, const FeatureOptions& options, int sample, con
     const int nearest = samples.nearest(pair.target.mesh, point);
     if (nearest < 0) return 2.0;
     const Complex turn = carry(pair.target.mesh, point.face, samples.point[nearest].face, rotation);
-    const double d = descriptor_distance(pair.source_descriptor[sample], pair.target_descriptor[nearest],
-                                         shift_of(turn), options);
+    const double d =
+        descriptor_distance(pair.source_descriptor[sample], pair.target_descriptor[nearest], shift_of(turn), options);
     return std::min(3.0, d / pair.chance);
 }
 

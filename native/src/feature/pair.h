@@ -33,7 +33,8 @@ void describe(Pair& pair, const FeatureOptions& options, std::uint64_t seed, int
 
 /// How badly the source's sample fits a point of the target under a rotation: descriptor distance to the target's
 /// nearest sample over that of chance, capped at 3; 2 where the target has no sample.
-double mismatch(const Pair& pair, const FeatureOptions& options, int sample, const SurfacePoint& point, Complex rotation);
+double mismatch(const Pair& pair, const FeatureOptions& options, int sample, const SurfacePoint& point,
+                Complex rotation);
 
 /// Curvature of a vertex field at a surface point.
 double field_at(const TriangleMesh& mesh, const std::vector<double>& field, const SurfacePoint& point);

@@ -36,9 +36,8 @@ Unfolded unfold(double edge, Complex far, double from_distance, double to_distan
     const Complex end(edge, 0.0);
     result.source = source;
     const double drop = far.imag() - source.imag();
-    const double crossing = drop > 1e-12 * edge
-                                ? source.real() - (far.real() - source.real()) * source.imag() / drop
-                                : source.real();
+    const double crossing =
+        drop > 1e-12 * edge ? source.real() - (far.real() - source.real()) * source.imag() / drop : source.real();
     if (crossing >= 0.0 && crossing <= edge && source.imag() < 0.0) {
         const double whole = std::atan2(cross(-source, end - source), dot(-source, end - source));
         const double part = std::atan2(cross(-source, far - source), dot(-source, far - source));

@@ -142,7 +142,8 @@ void Grower::evaluate(const PartialMap& map, const GrowthRun& run, double limit,
     ++stamp_[sample];  // whatever was queued for this sample is out of date
     const bool grown = map.count > infancy;
     if (grown && p.neighbours < options_.min_neighbours) return;
-    double key = p.stretch / source_.spacing + options_.rotation_weight * std::sqrt(std::max(0.0, 2.0 * (1.0 - p.concord)));
+    double key =
+        p.stretch / source_.spacing + options_.rotation_weight * std::sqrt(std::max(0.0, 2.0 * (1.0 - p.concord)));
     if (p.neighbours < 3) key += 0.3 / p.neighbours;
     if (run.mismatch && run.mismatch_weight > 0.0) {
         key += run.mismatch_weight * std::min(run.mismatch(sample, p.point, p.rotation), 1.5);
@@ -165,8 +166,8 @@ void Grower::evaluate_all(const PartialMap& map, const GrowthRun& run, double li
     for (int s = 0; s < source_.count(); ++s) {
         if (map.mapped[s] || trimmed_[s] > max_trims) continue;
         const auto& edges = source_.base_edges_of[s];
-        const bool touches = std::any_of(edges.begin(), edges.end(),
-                                         [&](int e) { return map.mapped[source_.edges[e].other(s)] != 0; });
+        const bool touches =
+            std::any_of(edges.begin(), edges.end(), [&](int e) { return map.mapped[source_.edges[e].other(s)] != 0; });
         if (touches) evaluate(map, run, limit, s);
     }
 }
@@ -188,8 +189,7 @@ bool Grower::collides(const PartialMap& map, int sample, const SurfacePoint& poi
     };
     if (hit(cell)) return true;
     const auto& around = target_samples_.base_edges_of[cell];
-    return std::any_of(around.begin(), around.end(),
-                       [&](int e) { return hit(target_samples_.edges[e].other(cell)); });
+    return std::any_of(around.begin(), around.end(), [&](int e) { return hit(target_samples_.edges[e].other(cell)); });
 }
 
 void Grower::optimise(PartialMap& map, int iterations, double trim) {

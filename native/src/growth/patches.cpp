@@ -42,8 +42,7 @@ Patch probe(const Pair& pair, const PatchSettings& settings, Grower& grower, con
     run.max_samples = size;
     grower.grow(patch.map, run);
     const double full = std::min(1.0, static_cast<double>(patch.map.count) / size);
-    patch.quality =
-        mean_mismatch(pair, settings.feature, patch.map) + 2.0 * patch.map.stress + 0.7 * (1.0 - full);
+    patch.quality = mean_mismatch(pair, settings.feature, patch.map) + 2.0 * patch.map.stress + 0.7 * (1.0 - full);
     return patch;
 }
 

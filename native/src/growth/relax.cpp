@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
 #include <ceres/ceres.h>
+#include <Eigen/Cholesky>
 
 #include "geodesic/shoot.h"
 
@@ -22,8 +22,7 @@ struct ActiveEdge {
 /// The state of the least squares: where each unknown is now, and the geodesic of every edge there.
 class State : public ceres::EvaluationCallback {
   public:
-    State(const Samples& source, const TriangleMesh& target, const PartialMap& map)
-        : source_(source), target_(target) {
+    State(const Samples& source, const TriangleMesh& target, const PartialMap& map) : source_(source), target_(target) {
         index_.assign(source.count(), -1);
         for (int s = 0; s < source.count(); ++s) {
             if (!map.mapped[s]) continue;

@@ -178,7 +178,8 @@ class Collapser {
         around_[from].clear();
         into_[from] = to;
         --count_;
-        // Other edges nearby keep an old price, which is near enough: what is forbidden is tested when it is their turn.
+        // Other edges nearby keep an old price, which is near enough: what is forbidden is tested when it is their
+        // turn.
         ++version_[to];
         neighbours(to, near_to_);
         for (const int v : near_to_) offer_both(to, v);

@@ -175,8 +175,7 @@ class EdgeMaker {
         });
         for (const int x : window.reached()) {
             if (window.distance(x) > 2.2 * samples_.spacing) continue;
-            result.near.push_back(
-                {x, static_cast<float>(window.distance(x)), static_cast<float>(window.angle(x))});
+            result.near.push_back({x, static_cast<float>(window.distance(x)), static_cast<float>(window.angle(x))});
         }
         return result;
     }
@@ -257,8 +256,7 @@ void find_witnesses(const TriangleMesh& mesh, Samples& samples) {
 }  // namespace
 
 Samples make_samples(const TriangleMesh& mesh, double spacing, const HierarchyOptions& options, std::uint64_t seed,
-                     int threads, Monitor& monitor, double from, double to,
-                     const std::vector<SurfacePoint>& fixed) {
+                     int threads, Monitor& monitor, double from, double to, const std::vector<SurfacePoint>& fixed) {
     Samples samples;
     samples.spacing = spacing;
     Random random(seed);

@@ -149,8 +149,8 @@ std::vector<double> scale_candidates(const ScaleVotes& votes, double root_of_are
     }
     std::vector<double> candidates;
     const auto add = [&](double ratio) {
-        const bool known = std::any_of(candidates.begin(), candidates.end(),
-                                       [&](double c) { return near(c, ratio, 0.015); });
+        const bool known =
+            std::any_of(candidates.begin(), candidates.end(), [&](double c) { return near(c, ratio, 0.015); });
         if (!known) candidates.push_back(ratio);
     };
     for (const double h : heard) {

@@ -14,14 +14,15 @@
 #include "growth/patches.h"
 #include "scale/find_scale.h"
 #include "seed/oriented_match.h"
+#include "surface/clean.h"
 
 namespace isograft {
 
 namespace {
 
 void note(MatchReport& report, const std::string& name, double seconds, std::int64_t bytes) {
-    const auto found = std::find_if(report.stages.begin(), report.stages.end(),
-                                    [&](const StageReport& s) { return s.name == name; });
+    const auto found =
+        std::find_if(report.stages.begin(), report.stages.end(), [&](const StageReport& s) { return s.name == name; });
     if (found != report.stages.end()) {
         found->seconds += seconds;
         found->bytes = std::max(found->bytes, bytes);
@@ -45,10 +46,10 @@ Detail make_detail(const Surface& surface, const CoarseMesh& base, double base_e
 std::vector<SurfacePoint> landmark_points(const Detail& detail, const std::vector<Landmark>& landmarks,
                                           int Landmark::* end) {
     std::vector<SurfacePoint> points;
-    const auto& input = detail.fine.input_vertex;
+    const std::vector<int> working = working_vertices(detail.surface);
     for (const Landmark& l : landmarks) {
         // match() has refused vertices that are not there.
-        const auto v = static_cast<int>(std::find(input.begin(), input.end(), l.*end) - input.begin());
+        const int v = working[l.*end];
         points.push_back(detail.coarse.place.empty() ? point_near_vertex(detail.fine, v) : detail.coarse.place[v]);
     }
     return points;
@@ -84,15 +85,18 @@ PreparedPair prepare(const Side& source, const Side& target, const Setting& sett
     const double spacing =
         std::min(sample_spacing(1.0, hierarchy.samples), sample_spacing(smaller, hierarchy.min_samples));
     const double edge = hierarchy.coarse_edge * spacing;
-    PreparedPair prepared{setting, make_detail(s, source.coarse, source.edge, setting.scale / unit, edge, monitor),
-                          make_detail(t, target.coarse, target.edge, 1.0 / unit, edge, monitor), {}, unit};
+    PreparedPair prepared{setting,
+                          make_detail(s, source.coarse, source.edge, setting.scale / unit, edge, monitor),
+                          make_detail(t, target.coarse, target.edge, 1.0 / unit, edge, monitor),
+                          {},
+                          unit};
     Pair& pair = prepared.pair;
     pair.source.mesh = prepared.source.coarse.mesh;
     pair.target.mesh = prepared.target.coarse.mesh;
     const double third = (to - from) / 3.0;
-    pair.source.samples = make_samples(pair.source.mesh, spacing, hierarchy, options.random_seed + 1, options.threads,
-                                       monitor, from, from + 0.5 * third,
-                                       landmark_points(prepared.source, options.landmarks, &Landmark::source));
+    pair.source.samples =
+        make_samples(pair.source.mesh, spacing, hierarchy, options.random_seed + 1, options.threads, monitor, from,
+                     from + 0.5 * third, landmark_points(prepared.source, options.landmarks, &Landmark::source));
     pair.target.samples = make_samples(pair.target.mesh, spacing, hierarchy, options.random_seed + 2, options.threads,
                                        monitor, from + 0.5 * third, from + third,
                                        landmark_points(prepared.target, options.landmarks, &Landmark::target));
@@ -114,8 +118,7 @@ PreparedPair prepare(const Side& source, const Side& target, const Setting& sett
 // Mean quality of the better half of a few probes; lower is better.
 double probe_setting(const Pair& pair, const MatchOptions& options, Monitor& monitor, double at) {
     const PatchSettings settings{options.feature, options.seed, options.growth, options.blend, options.threads};
-    const auto matches =
-        oriented_matches(pair, options.feature, options.seed, options.threads, monitor, at, at);
+    const auto matches = oriented_matches(pair, options.feature, options.seed, options.threads, monitor, at, at);
     const int count = std::min(options.scale.probes, static_cast<int>(matches.size()));
     if (count == 0) return 10.0;
     std::vector<std::unique_ptr<Grower>> growers;
@@ -189,9 +192,8 @@ PreparedPair prepare_pair(const Surface& source, const Surface& target, const Ma
     for (std::size_t i = 0; i < settings.size(); ++i) {
         const double step = (to - voted) / static_cast<double>(settings.size());
         const double begin = voted + static_cast<double>(i) * step;
-        PreparedPair prepared =
-            prepare(*settings[i].source, *settings[i].target, settings[i].setting, options, report, monitor, begin,
-                    begin + 0.8 * step);
+        PreparedPair prepared = prepare(*settings[i].source, *settings[i].target, settings[i].setting, options, report,
+                                        monitor, begin, begin + 0.8 * step);
         if (settings.size() == 1) {
             best = std::move(prepared);
             break;

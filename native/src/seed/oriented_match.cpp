@@ -45,8 +45,9 @@ struct Ranked {
 
 }  // namespace
 
-std::vector<OrientedMatch> oriented_matches(const Pair& pair, const FeatureOptions& features, const SeedOptions& options,
-                                            int threads, Monitor& monitor, double from, double to) {
+std::vector<OrientedMatch> oriented_matches(const Pair& pair, const FeatureOptions& features,
+                                            const SeedOptions& options, int threads, Monitor& monitor, double from,
+                                            double to) {
     const Samples& target = pair.target.samples;
     const std::vector<int> seeds = seed_samples(pair, options);
     std::vector<std::vector<OrientedMatch>> found(seeds.size());

@@ -23,7 +23,8 @@ struct OrientedMatch {
 /// and priority queue, section 4.3).
 ///
 /// The order is deterministic. O(samples of a coarse level x target samples x shifts).
-std::vector<OrientedMatch> oriented_matches(const Pair& pair, const FeatureOptions& features, const SeedOptions& options,
-                                            int threads, Monitor& monitor, double from, double to);
+std::vector<OrientedMatch> oriented_matches(const Pair& pair, const FeatureOptions& features,
+                                            const SeedOptions& options, int threads, Monitor& monitor, double from,
+                                            double to);
 
 }  // namespace isograft

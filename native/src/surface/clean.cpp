@@ -173,8 +173,9 @@ void check_arrays(const Points& vertices, const Triangles& faces) {
         ++bad;
     }
     if (bad > 0) {
-        throw InvalidInput("`vertices` holds NaN or infinity in " + counted(bad, "row", "rows") + ", the first is row " +
-                           std::to_string(first) + "; give those vertices finite coordinates or remove them");
+        throw InvalidInput("`vertices` holds NaN or infinity in " + counted(bad, "row", "rows") +
+                           ", the first is row " + std::to_string(first) +
+                           "; give those vertices finite coordinates or remove them");
     }
     for (Eigen::Index f = faces.rows(); f-- > 0;) {
         if (faces.row(f).minCoeff() >= 0 && faces.row(f).maxCoeff() < vertices.rows()) continue;

@@ -33,9 +33,9 @@ void check_arrays(const Points& vertices, const Triangles& faces);
 /// Leave out what is no triangle, and weld what only its indexing keeps apart.
 ///
 /// Left out: triangles with a repeated corner, without area (height below 1e-10 of the longest edge, or below what the
-/// coordinates resolve), and those drawn twice, but not the walls of two bodies that touch. Welded: vertices at exactly the same
-/// place, where that closes an edge of exactly two triangles (soups, seams) or a triangle left out had kept them apart.
-/// Sheets that only touch in points, or at edges of more triangles, stay apart. O(#V log #V + #F log #F).
+/// coordinates resolve), and those drawn twice, but not the walls of two bodies that touch. Welded: vertices at exactly
+/// the same place, where that closes an edge of exactly two triangles (soups, seams) or a triangle left out had kept
+/// them apart. Sheets that only touch in points, or at edges of more triangles, stay apart. O(#V log #V + #F log #F).
 /// \throw InvalidInput if no triangle is left.
 Soup clean(const Points& vertices, const Triangles& faces);
 

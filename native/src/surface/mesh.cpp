@@ -75,9 +75,8 @@ void split_fans(TriangleMesh& mesh, const std::vector<Eigen::Vector3d>& position
     for (int c = 0; c < corners; ++c) {
         if (find_root(parent, c) == c) roots.push_back(c);
     }
-    std::sort(roots.begin(), roots.end(), [&](int a, int b) {
-        return old_vertex[a] != old_vertex[b] ? old_vertex[a] < old_vertex[b] : a < b;
-    });
+    std::sort(roots.begin(), roots.end(),
+              [&](int a, int b) { return old_vertex[a] != old_vertex[b] ? old_vertex[a] < old_vertex[b] : a < b; });
     std::vector<int> index(corners, -1);
     for (std::size_t i = 0; i < roots.size(); ++i) {
         index[roots[i]] = static_cast<int>(i);
@@ -147,9 +146,7 @@ void measure(TriangleMesh& mesh) {
     }
 }
 
-double face_area(const TriangleMesh& mesh, int f) {
-    return 0.5 * mesh.corner[f][1].real() * mesh.corner[f][2].imag();
-}
+double face_area(const TriangleMesh& mesh, int f) { return 0.5 * mesh.corner[f][1].real() * mesh.corner[f][2].imag(); }
 
 void label_components(TriangleMesh& mesh) {
     const int faces = mesh.face_count();

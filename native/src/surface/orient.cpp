@@ -19,8 +19,8 @@ double twice_area(const Soup& soup, int f) {
 }  // namespace
 
 std::vector<ComponentSide> component_sides(const std::vector<Eigen::Vector3d>& position,
-                                           const std::vector<Corners>& face,
-                                           const std::vector<int>& component, int count) {
+                                           const std::vector<Corners>& face, const std::vector<int>& component,
+                                           int count) {
     std::vector<ComponentSide> sides(count);
     std::vector<int> origin(count, -1);
     for (std::size_t f = 0; f < face.size(); ++f) {

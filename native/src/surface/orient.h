@@ -26,7 +26,7 @@ void orient(Soup& soup);
 /// Area, volume and closedness of every component.
 /// \param component #F: in [0, count).
 std::vector<ComponentSide> component_sides(const std::vector<Eigen::Vector3d>& position,
-                                           const std::vector<Corners>& face,
-                                           const std::vector<int>& component, int count);
+                                           const std::vector<Corners>& face, const std::vector<int>& component,
+                                           int count);
 
 }  // namespace isograft

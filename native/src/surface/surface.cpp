@@ -41,8 +41,8 @@ Surface Surface::from_mesh(Points vertices, Triangles faces) {
     Surface surface;
     Soup soup = clean(vertices, faces);
     orient(soup);
-    auto mesh = std::make_shared<TriangleMesh>(
-        build_mesh(soup.position, soup.face, soup.input_face, soup.input_reversed));
+    auto mesh =
+        std::make_shared<TriangleMesh>(build_mesh(soup.position, soup.face, soup.input_face, soup.input_reversed));
     surface.warnings_ = std::move(soup.warnings);
     warn(surface.warnings_, split_vertices(*mesh), "vertex was split where the surface touches itself.",
          "vertices were split where the surface touches itself.");
@@ -61,8 +61,7 @@ Surface Surface::with_open_parts_reversed() const {
     for (Eigen::Index v = 0; v < vertices_.rows(); ++v) position[v] = vertices_.row(v);
     std::vector<Corners> face = input_corners(*mesh_);
     std::vector<char> reversed = mesh_->input_reversed;
-    const std::vector<ComponentSide> sides =
-        component_sides(position, face, mesh_->component, mesh_->component_count);
+    const std::vector<ComponentSide> sides = component_sides(position, face, mesh_->component, mesh_->component_count);
     for (int f = 0; f < mesh_->face_count(); ++f) {
         if (sides[mesh_->component[f]].closed) continue;
         std::swap(face[f][1], face[f][2]);

@@ -46,7 +46,8 @@ void check_finite(const CornerValues& values, const std::string& name) {
 
 void check_faces(const Triangles& faces, Eigen::Index vertex_count, const std::string& name) {
     if (faces.rows() > (Eigen::Index(1) << 29)) {
-        throw ResourceLimit("`" + name + "` has " + std::to_string(faces.rows()) + " triangles, at most 2^29 are possible");
+        throw ResourceLimit("`" + name + "` has " + std::to_string(faces.rows()) +
+                            " triangles, at most 2^29 are possible");
     }
     refuse_rows(
         faces.rows(),

@@ -66,7 +66,8 @@ DonorView::DonorView(const DonorMesh& donor, const CornerValues& corner_values, 
         longest_edge[f] = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
     }
     unify(normal, welded, graph.next);
-    same_point = vertices.rows() > 0 ? 1e-9 * (vertices.colwise().maxCoeff() - vertices.colwise().minCoeff()).norm() : 0.0;
+    same_point =
+        vertices.rows() > 0 ? 1e-9 * (vertices.colwise().maxCoeff() - vertices.colwise().minCoeff()).norm() : 0.0;
 }
 
 Vector3d DonorView::closest(int f, const Vector3d& p) const {

@@ -22,8 +22,8 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 // A polygon longer than this many times what the pair's median stretch says was torn by the map.
 constexpr double tear = 4.0;
-// Squared lengths of all images may add up to this many times the donor's area: an injective map of slim triangles stays
-// far below, a map of noise would make every polygon look at half of the donor.
+// Squared lengths of all images may add up to this many times the donor's area: an injective map of slim triangles
+// stays far below, a map of noise would make every polygon look at half of the donor.
 constexpr double most_overlap = 100.0;
 // Polygons a task: enough that handing out tasks costs nothing.
 constexpr int polygons_a_task = 64;
@@ -43,7 +43,8 @@ Polygons group(const ReceiverMesh& receiver) {
     std::iota(polygons.triangle.begin(), polygons.triangle.end(), 0);
     const auto& id = receiver.polygons;
     if (id.rows() > 0) {
-        std::stable_sort(polygons.triangle.begin(), polygons.triangle.end(), [&](int a, int b) { return id[a] < id[b]; });
+        std::stable_sort(polygons.triangle.begin(), polygons.triangle.end(),
+                         [&](int a, int b) { return id[a] < id[b]; });
     }
     for (int i = 0; i < count; ++i) {
         const bool same = i > 0 && id.rows() > 0 && id[polygons.triangle[i]] == id[polygons.triangle[i - 1]];

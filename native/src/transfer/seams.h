@@ -14,7 +14,8 @@ namespace isograft {
 ///
 /// Half-edge 3 f + c runs from corner c of triangle f to the next one.
 struct SeamGraph {
-    /// 3 #F: the next half-edge around the same edge, itself if there is no other. Edges may have any number of triangles.
+    /// 3 #F: the next half-edge around the same edge, itself if there is no other. Edges may have any number of
+    /// triangles.
     std::vector<int> next;
     /// 3 #F: half-edges of one edge carry on the attribute into each other if this is equal; otherwise it is a seam.
     std::vector<int> side;

@@ -66,8 +66,12 @@ TEST(ParallelFor, PassesOnTheExceptionOfTheLowestIndexThatRan) {
     Monitor monitor;
     try {
         // One thread runs in order, so that index 3 is the only one to throw.
-        parallel_for(100, 1, [](int i, int) { if (i >= 3) throw std::out_of_range(std::to_string(i)); }, monitor, "s",
-                     0.0, 1.0);
+        parallel_for(
+            100, 1,
+            [](int i, int) {
+                if (i >= 3) throw std::out_of_range(std::to_string(i));
+            },
+            monitor, "s", 0.0, 1.0);
         FAIL() << "nothing was thrown";
     } catch (const std::out_of_range& e) {
         EXPECT_STREQ(e.what(), "3");

@@ -93,7 +93,8 @@ TEST(MeanCurvature, IsTheSameAfterRigidMotionAndRenumbering) {
     const auto shape = shapes::noisy(shapes::blob(3), 0.01, 2);
     const auto other = shapes::renumbered(shape, 17);
     const auto a = mean_curvature(shapes::mesh_of(shape), 0.01);
-    const auto b = mean_curvature(shapes::mesh_of(shapes::moved(other.shape, shapes::some_rotation(), {1, 2, 3})), 0.01);
+    const auto b =
+        mean_curvature(shapes::mesh_of(shapes::moved(other.shape, shapes::some_rotation(), {1, 2, 3})), 0.01);
     for (std::size_t v = 0; v < a.size(); ++v) EXPECT_NEAR(b[other.vertex[v]], a[v], 1e-9);
 }
 

@@ -176,9 +176,8 @@ TEST(Descriptor, HiddenSectorDoesNotChangeTheVisibleCells) {
     const auto cut = shapes::cut(shape, [&](const Eigen::Vector3d& c) { return (c - x).dot(side) < near; });
     const Surface surface = gate(cut);
     const TriangleMesh& mesh = surface.mesh();
-    const auto found = std::find_if(mesh.input_face.begin(), mesh.input_face.end(), [&](int f) {
-        return cut.faces.row(f) == shape.faces.row(face);
-    });
+    const auto found = std::find_if(mesh.input_face.begin(), mesh.input_face.end(),
+                                    [&](int f) { return cut.faces.row(f) == shape.faces.row(face); });
     ASSERT_NE(found, mesh.input_face.end());
     std::vector<double> curvature(mesh.vertex_count());
     for (int v = 0; v < mesh.vertex_count(); ++v) curvature[v] = whole.curvature[mesh.input_vertex[v]];
@@ -186,7 +185,8 @@ TEST(Descriptor, HiddenSectorDoesNotChangeTheVisibleCells) {
     Window window(mesh);
     const PolarDescriptor a = whole.window(centroid(face));
     const PolarDescriptor b = window_descriptor(mesh, window, p, curvature, unit_length, options);
-    const PolarDescriptor c = ray_descriptor(mesh, p, curvature, options.radius * unit_length, unit_length, 0.0, options);
+    const PolarDescriptor c =
+        ray_descriptor(mesh, p, curvature, options.radius * unit_length, unit_length, 0.0, options);
     const PolarDescriptor r = whole.rays(centroid(face));
     EXPECT_FALSE(b.whole);
     EXPECT_LT(b.visible, 0.9);

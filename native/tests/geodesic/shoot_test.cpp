@@ -100,7 +100,8 @@ TEST(Shoot, FindsNothingAcrossABoundary) {
     });
     const Surface surface = Surface::from_mesh(slit.vertices, slit.faces);
     const TriangleMesh& mesh = surface.mesh();
-    const SurfacePoint from = shapes::point_nearest(mesh, {0.43, 1.51, 0.0}), to = shapes::point_nearest(mesh, {1.62, 1.47, 0.0});
+    const SurfacePoint from = shapes::point_nearest(mesh, {0.43, 1.51, 0.0}),
+                       to = shapes::point_nearest(mesh, {1.62, 1.47, 0.0});
     const Complex across = flatten(mesh, from.face, position(mesh, to) - position(mesh, from));
     EXPECT_FALSE(shoot(mesh, from, to, across, std::abs(across)));
 }
@@ -119,7 +120,8 @@ TEST(Shoot, SumsTheAnglesOfATriangleToItsCurvature) {
             if (s) shot[i] = *s;
         }
         double sum = -M_PI;
-        for (int i = 0; i < 3; ++i) sum += std::abs(std::arg(-shot[(i + 2) % 3].arrival * std::conj(shot[i].departure)));
+        for (int i = 0; i < 3; ++i)
+            sum += std::abs(std::arg(-shot[(i + 2) % 3].arrival * std::conj(shot[i].departure)));
         return sum;
     };
     const auto on_cone = [&](int sector) {

@@ -24,8 +24,8 @@ SurfacePoint random_point(const TriangleMesh& mesh, Random& random) {
 }
 
 TEST(Trace, IsStraightOnThePlaneWhateverTheTriangles) {
-    for (const auto& shape : {shapes::grid(30, 30, 0.1, 0.1), shapes::grid(30, 30, 0.1, 0.1, 1.5),
-                              shapes::grid(30, 200, 0.1, 0.015)}) {
+    for (const auto& shape :
+         {shapes::grid(30, 30, 0.1, 0.1), shapes::grid(30, 30, 0.1, 0.1, 1.5), shapes::grid(30, 200, 0.1, 0.015)}) {
         const TriangleMesh mesh = shapes::mesh_of(shape);
         Random random(1);
         const Eigen::Vector3d middle = shape.vertices.colwise().mean();
@@ -88,7 +88,8 @@ TEST(Trace, IsAHelixOnACylinder) {
         ASSERT_TRUE(t.complete);
         const Eigen::Vector3d y = position(mesh, t.end);
         EXPECT_NEAR(y.z(), x.z() + length * std::sin(slope), 1e-6);
-        const double turns = (polygon_arc(x, around) + length * std::cos(slope) - polygon_arc(y, around)) / circumference;
+        const double turns =
+            (polygon_arc(x, around) + length * std::cos(slope) - polygon_arc(y, around)) / circumference;
         EXPECT_NEAR(turns, std::round(turns), 1e-6);
         EXPECT_NEAR(lift(mesh, t.end.face, t.direction).z(), std::sin(slope), 1e-12);
     }

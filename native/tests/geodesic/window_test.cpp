@@ -116,8 +116,8 @@ TEST(Window, IsExactOnAConeAlsoBehindItsTip) {
     for (const double angle : {2.0, 4.5}) {
         const TriangleMesh mesh = shapes::mesh_of(shapes::cone(around, along, angle));
         // Vertices sit on the sector's rays, the centre near the one of index 0.
-        const SurfacePoint centre = shapes::point_nearest(mesh, 0.3 * mesh.position[12 * around + 1] +
-                                                                    0.7 * mesh.position[13 * around + 1]);
+        const SurfacePoint centre =
+            shapes::point_nearest(mesh, 0.3 * mesh.position[12 * around + 1] + 0.7 * mesh.position[13 * around + 1]);
         const double slant = position(mesh, centre).norm();
         Window window(mesh);
         window.run(centre, 1.3);
@@ -224,8 +224,8 @@ TEST(Window, MarksVerticesInTheShadowOfAHole) {
 
 TEST(Window, StaysOnItsSheet) {
     const auto sheet = shapes::grid(20, 20, 0.1, 0.1);
-    const TriangleMesh mesh = shapes::mesh_of(
-        shapes::joined(sheet, shapes::moved(sheet, Eigen::Matrix3d::Identity(), {0.0, 0.0, 0.001})));
+    const TriangleMesh mesh =
+        shapes::mesh_of(shapes::joined(sheet, shapes::moved(sheet, Eigen::Matrix3d::Identity(), {0.0, 0.0, 0.001})));
     Window window(mesh);
     window.run(shapes::point_nearest(mesh, {1.02, 1.01, 0.0}), 5.0);
     EXPECT_EQ(window.reached().size(), 441U);
@@ -302,7 +302,8 @@ TEST(GeodesicDistances, TakeTheInputsCornersOfTurnedTriangles) {
     const Surface surface = gate(shape);
     const Eigen::VectorXd d = geodesic_distances(surface, 30, {0.0, 1.0, 0.0});
     EXPECT_NEAR(d[shape.faces(30, 1)], 0.0, 1e-6);
-    EXPECT_NEAR(d[shape.faces(30, 0)], (shape.vertices.row(shape.faces(30, 0)) - shape.vertices.row(shape.faces(30, 1))).norm(), 1e-6);
+    EXPECT_NEAR(d[shape.faces(30, 0)],
+                (shape.vertices.row(shape.faces(30, 0)) - shape.vertices.row(shape.faces(30, 1))).norm(), 1e-6);
 }
 
 TEST(GeodesicDistances, RefuseATriangleThatIsNotThere) {

@@ -110,7 +110,8 @@ TEST(Relax, DropsWhatStaysStretchedAndOnlyThen) {
     }
     const TriangleMesh longer = shapes::mesh_of(shape);
     PartialMap kept = identity(longer, samples), trimmed = kept;
-    const auto stretch = relax(samples, longer, {}, {.iterations = 1, .term_weight = 0.0, .term = {}, .trim = 0.0}, kept);
+    const auto stretch =
+        relax(samples, longer, {}, {.iterations = 1, .term_weight = 0.0, .term = {}, .trim = 0.0}, kept);
     relax(samples, longer, {}, {.iterations = 1, .term_weight = 0.0, .term = {}, .trim = 0.2}, trimmed);
     EXPECT_EQ(kept.count, samples.count());
     EXPECT_LT(trimmed.count, samples.count());
@@ -121,8 +122,8 @@ TEST(Relax, DropsWhatStaysStretchedAndOnlyThen) {
 TEST(Relax, FollowsATermWhereTheStretchDoesNotMind) {
     // A sheet inside a larger one may slide freely.
     const TriangleMesh small = shapes::mesh_of(shapes::grid(20, 20, 0.1, 0.1));
-    const TriangleMesh large = shapes::mesh_of(shapes::moved(shapes::grid(40, 40, 0.1, 0.1), Eigen::Matrix3d::Identity(),
-                                                             {-1.0, -1.0, 0.0}));
+    const TriangleMesh large =
+        shapes::mesh_of(shapes::moved(shapes::grid(40, 40, 0.1, 0.1), Eigen::Matrix3d::Identity(), {-1.0, -1.0, 0.0}));
     const Samples samples = sample(small, 150);
     PartialMap map(samples.count());
     for (int s = 0; s < samples.count(); ++s) {

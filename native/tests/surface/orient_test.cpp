@@ -89,8 +89,8 @@ TEST(Orientation, CutsAMoebiusBandOnceAndCallsItAmbiguous) {
 TEST(Orientation, IsAmbiguousOnlyIfAnOpenPartIsMoreThanATwentieth) {
     const Shape body = shapes::sphere(3);
     const auto with_patch = [&](double size) {
-        return gate(shapes::joined(body, shapes::moved(shapes::grid(2, 2, size / 2, size / 2),
-                                                       Eigen::Matrix3d::Identity(), {5, 0, 0})));
+        return gate(shapes::joined(
+            body, shapes::moved(shapes::grid(2, 2, size / 2, size / 2), Eigen::Matrix3d::Identity(), {5, 0, 0})));
     };
     const double area = gate(body).mesh().area;
     EXPECT_FALSE(with_patch(std::sqrt(0.045 * area)).orientation_is_ambiguous());

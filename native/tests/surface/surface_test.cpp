@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "isograft/errors.h"
 #include "gate.h"
+#include "isograft/errors.h"
 #include "shapes.h"
 #include "surface/clean.h"
 

@@ -143,9 +143,9 @@ TEST(TransferCornerUV, StopsWhenCancelled) {
     const Tube t = tube(6, 10);
     Monitor monitor;
     monitor.cancel();
-    EXPECT_THROW(transfer_corner_uv(identity(t), {t.vertices, t.faces, no_polygons}, {t.vertices, t.faces}, t.uv, {},
-                                    &monitor),
-                 Cancelled);
+    EXPECT_THROW(
+        transfer_corner_uv(identity(t), {t.vertices, t.faces, no_polygons}, {t.vertices, t.faces}, t.uv, {}, &monitor),
+        Cancelled);
 }
 
 TEST(TransferCorner, StaysWithinTheDonorsValuesAndGivesAConstantBackExactly) {
