@@ -99,11 +99,9 @@ def prepare(donor: Any, receivers: list[Any], context: bpy.types.Context, settin
     materials = [slot.material for slot in donor.material_slots]
     link = bool(uv_layers) and settings.link_materials and any(materials)
     polygon_materials = bridge.read_polygon_materials(donor, depsgraph) if link else None
-    return [
-        _graft(_pair(obj, donor, donor_arrays, depsgraph, settings), uv_layers, colors, materials, polygon_materials,
-               settings)
-        for obj in receivers
-    ]  # fmt: skip
+    # A receiver that is refused is refused before the others are computed.
+    pairs = [_pair(obj, donor, donor_arrays, depsgraph, settings) for obj in receivers]
+    return [_graft(pair, uv_layers, colors, materials, polygon_materials, settings) for pair in pairs]
 
 
 def _pair(obj: Any, donor: Any, donor_arrays: MeshArrays, depsgraph: Any, settings: Settings) -> _Pair:
@@ -132,7 +130,7 @@ def _graft(
     settings: Settings,
 ) -> Graft:
     graft = Graft(pair.receiver)
-    has_faces = np.zeros(0, dtype=bool)
+    has_uv = np.zeros(0, dtype=bool)
     mesh = pair.receiver.data
     count = len(mesh.uv_layers)
     taken = {layer.name for layer in (*mesh.uv_layers, *mesh.attributes)}
@@ -143,7 +141,7 @@ def _graft(
             layer.values[pair.donor.triangle_loops.ravel()],
             receiver_polygons=pair.arrays.triangle_polygons,
         )
-        has_faces = pair.whole_polygons(moved.mask)
+        has_uv = pair.whole_polygons(moved.mask)
         name = _name(layer.name, taken, settings.overwrite)
         graft.uv_layers.append(CornerLayer(name, "CORNER", "UV", pair.to_loops(moved.uv, moved.mask), layer.is_render))
     count += sum(layer.name not in mesh.uv_layers for layer in graft.uv_layers)
@@ -154,8 +152,8 @@ def _graft(
         name = _name(layer.name, taken, settings.overwrite)
         graft.colors.append(CornerLayer(name, layer.domain, layer.data_type, _color(pair, layer), layer.is_render))
     if polygon_materials is not None:
-        graft.slots, graft.polygon_slots = _materials(pair, has_faces, materials, polygon_materials)
-    graft.messages = _messages(pair, graft, has_faces if uv_layers else None)
+        graft.slots, graft.polygon_slots = _materials(pair, has_uv, materials, polygon_materials)
+    graft.messages = _messages(pair, graft, has_uv if uv_layers else None)
     return graft
 
 
