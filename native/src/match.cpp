@@ -16,6 +16,7 @@
 #include "isograft/errors.h"
 #include "scale/setting.h"
 #include "seed/oriented_match.h"
+#include "surface/clean.h"
 
 namespace isograft {
 
@@ -26,7 +27,7 @@ constexpr double prepared_by = 0.4, seeded_by = 0.45, grown_by = 0.65, blended_b
 
 void check_landmarks(const std::vector<Landmark>& landmarks, const Surface& surface, int Landmark::* end,
                      const std::string& name) {
-    const auto& used = surface.mesh().input_vertex;
+    const std::vector<int> working = working_vertices(surface);
     for (std::size_t i = 0; i < landmarks.size(); ++i) {
         const int vertex = landmarks[i].*end;
         const std::string which = "landmark " + std::to_string(i) + ": " + name + " vertex " + std::to_string(vertex);
@@ -34,7 +35,7 @@ void check_landmarks(const std::vector<Landmark>& landmarks, const Surface& surf
             throw InvalidInput(which + " is out of range, the " + name + " has " +
                                std::to_string(surface.vertices().rows()) + " vertices");
         }
-        if (std::find(used.begin(), used.end(), vertex) == used.end()) {
+        if (working[vertex] < 0) {
             throw InvalidInput(which + " is not part of any usable triangle; choose another vertex");
         }
     }
@@ -51,7 +52,7 @@ std::vector<OrientedMatch> landmark_matches(const Pair& pair, const MatchOptions
 }
 
 // Share of right vertices among those of equal risk, fitted on pairs with a known truth.
-double confidence_of(double risk) { return 1.0 / (1.0 + std::exp((risk - 1.0) / 0.2)); }
+double confidence_of(double risk) { return 1.0 / (1.0 + std::exp((risk - 0.95) / 0.25)); }
 
 }  // namespace
 

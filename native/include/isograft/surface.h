@@ -27,7 +27,7 @@ class Surface {
     /// caller's own vertices and triangles.
     /// \param vertices #V by 3, any unit. \param faces #F by 3, indices into `vertices`.
     /// \throw InvalidInput if either is empty, a coordinate is not finite, an index is out of range, or no
-    /// triangle has an area. \throw ResourceLimit above 2^30 vertices or triangles.
+    /// triangle has an area. \throw ResourceLimit above 2^30 vertices or 2^31 / 3 triangles.
     static Surface from_mesh(Points vertices, Triangles faces);
 
     /// #V by 3, as given.

@@ -14,6 +14,8 @@ namespace {
 
 struct Contender {
     std::unique_ptr<Completion> completion;
+    /// After the free extension.
+    PartialMap free;
     MapQuality quality;
     double score = -1.0;
 };
@@ -29,7 +31,27 @@ void complete(Contender& contender, const Core& core, const Pair& pair, const Pa
     completion.extend(std::numeric_limits<double>::infinity());
     contender.quality = measure_quality(pair, settings.feature, completion.map());
     contender.score = choice_score(contender.quality, core.vote);
+    contender.free = completion.map();
     completion.map() = careful;
+}
+
+// Cores share no patch, so another one that leads to much the same map is a second opinion on the rest of it.
+std::vector<PartialMap> witnesses(const std::vector<Contender>& contenders, std::size_t best, double radius) {
+    std::vector<PartialMap> result;
+    const PartialMap& chosen = contenders[best].free;
+    for (std::size_t i = 0; i < contenders.size(); ++i) {
+        if (i == best) continue;
+        const PartialMap& other = contenders[i].free;
+        int shared = 0;
+        int agreed = 0;
+        for (std::size_t s = 0; s < chosen.mapped.size(); ++s) {
+            if (!chosen.mapped[s] || !other.mapped[s]) continue;
+            ++shared;
+            agreed += (chosen.position[s] - other.position[s]).norm() < radius ? 1 : 0;
+        }
+        if (5 * agreed > 3 * shared && shared > 0) result.push_back(other);
+    }
+    return result;
 }
 
 // The surest parts first: what a careful round adds helps to judge the next one.
@@ -72,6 +94,7 @@ Blended blend(const Pair& pair, const PatchSettings& settings, const std::vector
         if (contenders[i].score > contenders[best].score) best = i;
     }
     Completion& completion = *contenders[best].completion;
+    completion.hear(witnesses(contenders, best, settings.blend.agreement_radius));
     extend_carefully(completion, settings.blend.accept);
     completion.place_anchors();
     result.risk = completion.ring_risk();

@@ -13,6 +13,9 @@ namespace {
 constexpr double patch_strictness = 0.7;
 constexpr double anchor_weight = 5.0;
 constexpr double compatible_reach = 0.12;
+// What another map's word is worth in units of risk.
+constexpr double unconfirmed = 0.2;
+constexpr double contradicted = 0.6;
 }  // namespace
 
 Completion::Completion(const Pair& pair, const PatchSettings& settings, const std::vector<Patch>& patches,
@@ -144,13 +147,22 @@ bool Completion::second_pass() {
         try_candidate(c.match);
     }
     merge_into(map_, pair_, settings_, patches_, weights_);
+    drop_torn_parts(map_, pair_);
     optimise(3, 0.5 * settings_.growth.stretch_limit);
     return map_.count > before + 2;
 }
 
 double Completion::risk(int sample, const SurfacePoint& point, Complex rotation) const {
-    return mismatch(pair_, settings_.feature, sample, point, rotation) +
-           anchor_weight * anchors_.incompatibility(sample, point);
+    double result = mismatch(pair_, settings_.feature, sample, point, rotation) +
+                    anchor_weight * anchors_.incompatibility(sample, point);
+    if (witnesses_.empty()) return result;
+    const Eigen::Vector3d x = position(pair_.target.mesh, point);
+    for (const PartialMap& w : witnesses_) {
+        const bool speaks = w.mapped[sample] != 0;
+        if (speaks && (w.position[sample] - x).norm() < settings_.blend.agreement_radius) continue;
+        result += speaks ? contradicted : unconfirmed;
+    }
+    return result;
 }
 
 std::vector<double> Completion::ring_risk() const {
@@ -192,6 +204,7 @@ void Completion::extend(double accept) {
     }
     monitor_.check();
     grower_.grow(map_, run);
+    drop_torn_parts(map_, pair_);
 }
 
 void Completion::trim(double limit) {

@@ -36,6 +36,9 @@ class Completion {
     [[nodiscard]] std::vector<double> ring_risk() const;
     bool place_anchors();
 
+    /// Maps grown from other patches. Where one is silent on a sample the risk rises, more where it contradicts.
+    void hear(std::vector<PartialMap> witnesses) { witnesses_ = std::move(witnesses); }
+
     [[nodiscard]] const PartialMap& map() const { return map_; }
     [[nodiscard]] PartialMap& map() { return map_; }
 
@@ -60,6 +63,7 @@ class Completion {
     std::vector<const Patch*> patches_;
     std::vector<double> weights_;
     std::deque<Patch> own_;
+    std::vector<PartialMap> witnesses_;
 };
 
 }  // namespace isograft

@@ -124,4 +124,27 @@ std::vector<int> continuous_parts(const PartialMap& map, const Pair& pair) {
     return label;
 }
 
+int drop_torn_parts(PartialMap& map, const Pair& pair) {
+    const std::vector<int> part = continuous_parts(map, pair);
+    const int count = part.empty() ? 0 : 1 + *std::max_element(part.begin(), part.end());
+    std::vector<int> size(std::max(count, 0), 0);
+    std::vector<int> torn(std::max(count, 0), 0);
+    for (const int p : part) {
+        if (p >= 0) ++size[p];
+    }
+    for (const SampleEdge& e : pair.source.samples.edges) {
+        if (e.level > 0 || part[e.u] < 0 || part[e.v] < 0 || part[e.u] == part[e.v]) continue;
+        ++torn[std::max(part[e.u], part[e.v])];
+    }
+    int dropped = 0;
+    for (std::size_t s = 0; s < part.size(); ++s) {
+        // A small part is a stray sample or two; a large one needs more than a touch.
+        if (part[s] > 0 && torn[part[s]] > 1 + size[part[s]] / 40) {
+            map.drop(static_cast<int>(s));
+            ++dropped;
+        }
+    }
+    return dropped;
+}
+
 }  // namespace isograft

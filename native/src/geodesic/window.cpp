@@ -55,6 +55,9 @@ Unfolded unfold(double edge, Complex far, double from_distance, double to_distan
     return result;
 }
 
+// A vertex of a good mesh is corrected twice or so, one beside slivers a dozen times.
+constexpr int most_offers = 200;
+
 }  // namespace
 
 Window::Window(const TriangleMesh& mesh)
@@ -62,13 +65,19 @@ Window::Window(const TriangleMesh& mesh)
       distance_(mesh.vertex_count()),
       angle_(mesh.vertex_count()),
       bent_(mesh.vertex_count(), 0),
+      offers_(mesh.vertex_count(), 0),
       stamp_(mesh.vertex_count(), 0) {}
 
 void Window::offer(int vertex, double distance, double angle, bool bent) {
     const bool known = has(vertex);
-    // A gain beyond rounding counts: were it larger, the order of the triangles would decide between near ties.
-    if (known && distance >= distance_[vertex] * (1.0 - 1e-13)) return;
-    if (!known) reached_.push_back(vertex);
+    // A gain beyond rounding counts: were it larger, the order of the triangles would decide between near ties. Round
+    // slivers gains can chase each other downward without end, so a vertex is corrected only so often.
+    if (known && (distance >= distance_[vertex] * (1.0 - 1e-13) || offers_[vertex] >= most_offers)) return;
+    if (!known) {
+        reached_.push_back(vertex);
+        offers_[vertex] = 0;
+    }
+    ++offers_[vertex];
     stamp_[vertex] = run_;
     distance_[vertex] = distance;
     angle_[vertex] = angle;

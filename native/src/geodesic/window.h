@@ -29,7 +29,8 @@ class Window {
   public:
     explicit Window(const TriangleMesh& mesh);
 
-    /// Settle everything within `radius` (mesh units) of `centre`.
+    /// Settle everything within `radius` (mesh units) of `centre`. On obtuse triangles a path may lead over a corner
+    /// beyond it: distances near the rim are then up to a per cent too long.
     void run(const SurfacePoint& centre, double radius);
 
     /// Vertices with a distance, in the order in which they got their first one. A few lie beyond the radius.
@@ -51,6 +52,7 @@ class Window {
     const TriangleMesh* mesh_;
     std::vector<double> distance_, angle_;
     std::vector<char> bent_;
+    std::vector<int> offers_;
     std::vector<std::uint32_t> stamp_;
     std::uint32_t run_ = 0;
     std::vector<int> reached_;
