@@ -134,6 +134,8 @@ int drop_torn_parts(PartialMap& map, const Pair& pair) {
     }
     for (const SampleEdge& e : pair.source.samples.edges) {
         if (e.level > 0 || part[e.u] < 0 || part[e.v] < 0 || part[e.u] == part[e.v]) continue;
+        // A bad ring of samples also parts a limb from the body, but by little.
+        if ((map.position[e.u] - map.position[e.v]).norm() < e.length + 2.0 * pair.source.samples.spacing) continue;
         ++torn[std::max(part[e.u], part[e.v])];
     }
     int dropped = 0;

@@ -82,7 +82,7 @@ double between(const Row& values, int k) {
     return smallest * std::pow(step, k + offset);
 }
 
-double ratio_by_fit(const std::vector<Row>& rows) {
+Row mean_fit(const std::vector<Row>& rows) {
     Row mean{};
     for (int k = 0; k < sizes; ++k) {
         std::vector<double> column;
@@ -91,7 +91,7 @@ double ratio_by_fit(const std::vector<Row>& rows) {
         const std::size_t half = std::max<std::size_t>(1, column.size() / 2);
         for (std::size_t i = 0; i < half; ++i) mean[k] += column[i] / static_cast<double>(half);
     }
-    return between(mean, static_cast<int>(std::min_element(mean.begin(), mean.end()) - mean.begin()));
+    return mean;
 }
 
 double ratio_by_vote(const std::vector<Row>& rows) {
@@ -136,13 +136,17 @@ ScaleVotes vote_scale(const TriangleMesh& source, const TriangleMesh& target, co
         static_cast<int>(s_points.size()), threads,
         [&](int i, int /*worker*/) { rows[i] = relative_fit(s, s_points[i], s_curvature, descriptor, features); },
         monitor, "scale", from + 0.2 * (to - from), to);
+    const Row fit = mean_fit(rows);
+    const auto best = std::min_element(fit.begin(), fit.end());
     const double unit_ratio = target_side / source_side;
-    return {ratio_by_fit(rows) * unit_ratio, ratio_by_vote(rows) * unit_ratio};
+    return {between(fit, static_cast<int>(best - fit.begin())) * unit_ratio, ratio_by_vote(rows) * unit_ratio, *best};
 }
+
+bool votes_agree(const ScaleVotes& votes) { return near(votes.by_fit, votes.by_vote, agreement); }
 
 std::vector<double> scale_candidates(const ScaleVotes& votes, double root_of_area_ratio) {
     std::vector<double> heard{votes.by_fit};
-    if (near(votes.by_fit, votes.by_vote, agreement)) {
+    if (votes_agree(votes)) {
         heard[0] = std::sqrt(votes.by_fit * votes.by_vote);
     } else {
         heard.push_back(votes.by_vote);
@@ -153,8 +157,9 @@ std::vector<double> scale_candidates(const ScaleVotes& votes, double root_of_are
             std::any_of(candidates.begin(), candidates.end(), [&](double c) { return near(c, ratio, 0.015); });
         if (!known) candidates.push_back(ratio);
     };
+    // Exact ratios beat measured ones: a common unit, or two whole surfaces of one area.
+    bool confirmed = heard.size() == 1;
     for (const double h : heard) {
-        // Exact ratios beat measured ones: a common unit, or two whole surfaces of one area.
         bool exact = false;
         for (const double ratio : {1.0, root_of_area_ratio}) {
             if (!near(ratio, h, agreement)) continue;
@@ -162,6 +167,12 @@ std::vector<double> scale_candidates(const ScaleVotes& votes, double root_of_are
             exact = true;
         }
         if (!exact) add(h);
+        confirmed = confirmed && exact;
+    }
+    // Doubtful votes do not rule the exact ones out.
+    if (!confirmed) {
+        add(1.0);
+        add(root_of_area_ratio);
     }
     return candidates;
 }

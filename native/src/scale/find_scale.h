@@ -17,6 +17,8 @@ struct ScaleVotes {
     double by_fit = 1.0;
     /// The same from the most frequent best size of single votes.
     double by_vote = 1.0;
+    /// Mean fit at the size of `by_fit`: how near the best target point is against the best twentieth; lower is better.
+    double fit = 1.0;
 };
 
 /// Compare ray descriptors of `options.votes` source points at 19 sizes with the target's everywhere.
@@ -27,8 +29,11 @@ ScaleVotes vote_scale(const TriangleMesh& source, const TriangleMesh& target, co
                       const ScaleOptions& options, std::uint64_t seed, int threads, Monitor& monitor, double from,
                       double to);
 
-/// Ratios worth trying, the likeliest first: 1 and the root of the areas' ratio where a vote confirms them, else the
-/// votes themselves.
+/// Both readings say the same.
+bool votes_agree(const ScaleVotes& votes);
+
+/// Ratios worth trying: 1 and the root of the areas' ratio where the votes confirm them, else the votes themselves and
+/// those two besides.
 std::vector<double> scale_candidates(const ScaleVotes& votes, double root_of_area_ratio);
 
 }  // namespace isograft

@@ -141,31 +141,48 @@ struct Choice {
     Setting setting;
     const Side* source;
     const Side* target;
+    ScaleVotes votes{};
 };
+
+// Whether the votes of one side leave nothing to be said for the other.
+bool outvoted(const ScaleVotes& loser, const ScaleVotes& winner, bool is_given) {
+    constexpr double clearly = 0.8;
+    const bool fits_better = winner.fit < clearly * loser.fit;
+    const bool surer = votes_agree(winner) && !votes_agree(loser);
+    // A winding as given is seldom wrong, so it takes both to rule it out.
+    return is_given ? fits_better && surer : (fits_better && votes_agree(winner)) || surer;
+}
 
 std::vector<Choice> possible_settings(const std::vector<Side>& sources, const std::vector<Side>& targets,
                                       const MatchOptions& options, MatchReport& report, Monitor& monitor, double from,
                                       double to) {
-    std::vector<Choice> choices;
+    const bool automatic = options.scale.mode == ScaleMode::automatic;
+    const double given = options.scale.mode == ScaleMode::given ? options.scale.value : 1.0;
+    Stopwatch watch;
+    std::vector<Choice> sides;
     for (const Side& s : sources) {
         for (const Side& t : targets) {
-            Setting setting;
-            setting.source_reversed = &s != &sources.front();
-            setting.target_reversed = &t != &targets.front();
-            if (options.scale.mode != ScaleMode::automatic) {
-                setting.scale = options.scale.mode == ScaleMode::given ? options.scale.value : 1.0;
-                choices.push_back({setting, &s, &t});
-                continue;
-            }
-            Stopwatch watch;
-            const ScaleVotes votes = vote_scale(s.coarse.mesh, t.coarse.mesh, options.feature, options.scale,
-                                                options.random_seed + 4, options.threads, monitor, from, to);
-            const double root = std::sqrt(t.surface.mesh().area / s.surface.mesh().area);
-            for (const double scale : scale_candidates(votes, root)) {
-                setting.scale = scale;
-                choices.push_back({setting, &s, &t});
-            }
-            note(report, "scale", watch.lap(), 0);
+            sides.push_back({{given, &s != &sources.front(), &t != &targets.front()}, &s, &t});
+            if (!automatic) continue;
+            sides.back().votes = vote_scale(s.coarse.mesh, t.coarse.mesh, options.feature, options.scale,
+                                            options.random_seed + 4, options.threads, monitor, from, to);
+        }
+    }
+    note(report, "scale", watch.lap(), 0);
+    if (!automatic) return sides;
+    if (sides.size() == 2) {
+        if (outvoted(sides[1].votes, sides[0].votes, false)) {
+            sides.pop_back();
+        } else if (outvoted(sides[0].votes, sides[1].votes, true)) {
+            sides.erase(sides.begin());
+        }
+    }
+    std::vector<Choice> choices;
+    for (Choice side : sides) {
+        const double root = std::sqrt(side.target->surface.mesh().area / side.source->surface.mesh().area);
+        for (const double scale : scale_candidates(side.votes, root)) {
+            side.setting.scale = scale;
+            choices.push_back(side);
         }
     }
     return choices;
