@@ -8,6 +8,8 @@ if(NOT binding_sources)
 endif()
 pybind11_add_module(_native MODULE NO_EXTRAS ${binding_sources})
 target_link_libraries(_native PRIVATE isograft_core isograft_flags)
+# Without --gc-sections unused parts of the static C++ library ask for symbols newer than the wheel's platform tag.
 target_link_options(_native PRIVATE
-    -Wl,--exclude-libs,ALL -Wl,-Bsymbolic -static-libstdc++ -static-libgcc $<$<NOT:$<CONFIG:Debug>>:-Wl,-s>)
+    -Wl,--exclude-libs,ALL -Wl,-Bsymbolic -Wl,--gc-sections
+    -static-libstdc++ -static-libgcc $<$<NOT:$<CONFIG:Debug>>:-Wl,-s>)
 install(TARGETS _native LIBRARY DESTINATION isograft COMPONENT python)
