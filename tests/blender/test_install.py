@@ -69,8 +69,8 @@ def test_every_file_of_the_zip_lies_in_the_top_folder_and_equal_input_gives_an_e
     (tmp_path / name).write_bytes(content)
     package = Path(__file__).parents[2] / "blender_addon" / "package.py"
     command = ["python3", str(package), "--wheel", str(tmp_path / name), "--output", str(tmp_path / "out")]
-    subprocess.run(command, check=True, capture_output=True)
-    assert (tmp_path / "out" / ZIP.name).read_bytes() == ZIP.read_bytes()
+    done = subprocess.run(command, check=True, capture_output=True, text=True)
+    assert Path(done.stdout.strip()).read_bytes() == ZIP.read_bytes()
 
 
 def test_unregistering_and_registering_twice_leaves_nothing_behind_and_nothing_out() -> None:
