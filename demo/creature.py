@@ -20,13 +20,13 @@ VERTICES = 18_000
 # Degrees about X (pitch), Y (roll), Z (yaw) of the rest pose's axes, per bone.
 STANDING = {
     "neck.1": (-5, 0, -6), "neck.2": (-4, 0, -6), "head": (4, 0, -4),
-    "tail.2": (2, 0, -7), "tail.3": (3, 0, -7), "tail.4": (3, 0, -7), "tail.5": (3, 0, -5),
+    "tail.2": (1, 0, -3), "tail.3": (1, 0, -3), "tail.4": (1, 0, -3), "tail.5": (1, 0, -3),
 }  # fmt: skip
 STRIDING = {
     "spine.2": (0, 2, 5), "spine.3": (2, 2, 6), "spine.4": (2, 0, 6),
     "neck.1": (10, 0, 14), "neck.2": (8, 4, 14), "head": (4, 8, 12),
-    "tail.1": (2, 0, 5), "tail.2": (3, 0, 7), "tail.3": (4, 0, 8), "tail.4": (5, 0, 8), "tail.5": (5, 0, 8),
-    "tail.6": (5, 0, 6),
+    "tail.1": (1, 0, 3), "tail.2": (2, 0, 4), "tail.3": (2, 0, 4), "tail.4": (2, 0, 4), "tail.5": (2, 0, 4),
+    "tail.6": (2, 0, 3),
     "upper_arm.L": (-22, 0, 3), "forearm.L": (-15, 0, 0), "wrist.L": (14, 0, 0), "paw.L": (10, 0, 0),
     "upper_arm.R": (18, 0, 0), "forearm.R": (-8, 0, 0), "wrist.R": (8, 0, 0), "paw.R": (-12, 0, 0),
     "thigh.L": (16, 0, 0), "shin.L": (-10, 0, 0), "hock.L": (12, 0, 0), "foot.L": (10, 0, 0),

@@ -20,9 +20,10 @@ SPINE = [(-0.78, 0, 1.04), (-0.35, 0, 1.1), (0.08, 0, 1.12), (0.5, 0, 1.18), (0.
 NECK = [(0.78, 0, 1.32), (1.02, 0, 1.56), (1.2, 0, 1.76)]
 HEAD = [(1.2, 0, 1.76), (1.78, 0, 1.6)]
 TAIL = [
-    (-0.78, 0, 1.04), (-1.1, 0, 0.98), (-1.42, 0, 0.86), (-1.74, 0, 0.75),
-    (-2.06, 0, 0.68), (-2.38, 0, 0.68), (-2.7, 0, 0.73),
+    (-0.78, 0, 1.04), (-1.06, 0, 0.99), (-1.32, 0, 0.9), (-1.57, 0, 0.81),
+    (-1.8, 0, 0.76), (-2.02, 0, 0.76), (-2.22, 0, 0.8),
 ]  # fmt: skip
+CLUB = (-2.28, 0.02, 0.8)
 FORE = [(0.56, 0.3, 1.12), (0.4, 0.4, 0.68), (0.58, 0.39, 0.3), (0.66, 0.39, 0.1), (0.86, 0.4, 0.06)]
 HIND = [(-0.68, 0.24, 1.02), (-0.44, 0.36, 0.64), (-0.9, 0.33, 0.4), (-0.78, 0.33, 0.1), (-0.54, 0.34, 0.06)]
 
@@ -35,7 +36,7 @@ SHORT_HORN = [(1.3, -0.13, 1.92), (1.3, -0.28, 2.05), (1.38, -0.38, 2.17), (1.47
 PLATES = [
     (0.86, 0.13, 0.075, 0.2), (0.66, 0.24, 0.11, -0.25), (0.4, 0.34, 0.14, 0.22), (0.1, 0.27, 0.125, -0.3),
     (-0.18, 0.32, 0.13, 0.15), (-0.46, 0.2, 0.1, -0.28), (-0.7, 0.25, 0.11, 0.3), (-0.95, 0.15, 0.085, -0.2),
-    (-1.2, 0.19, 0.09, 0.25), (-1.47, 0.12, 0.075, -0.2), (-1.76, 0.15, 0.08, 0.15),
+    (-1.18, 0.2, 0.09, 0.25), (-1.42, 0.1, 0.07, -0.2), (-1.66, 0.16, 0.08, 0.15),
 ]  # fmt: skip
 
 
@@ -84,7 +85,7 @@ def _head(shape: Shape) -> None:
     shape.add(
         ellipsoid(place(1.3, 0, 1.78), (0.2, 0.24, 0.19), blend=0.1),
         tapered_capsule(place(1.4, 0, 1.74), place(1.78, 0, 1.6), 0.165, 0.1, blend=0.1),
-        tapered_capsule(place(1.3, 0, 1.62), place(1.68, 0, 1.46), 0.13, 0.075, blend=0.05),
+        tapered_capsule(place(1.3, 0, 1.6), place(1.66, 0, 1.42), 0.13, 0.075, blend=0.05),
         ellipsoid(place(1.76, 0, 1.66), (0.11, 0.1, 0.075), blend=0.05),
         tapered_capsule(place(1.68, 0, 1.74), place(1.78, 0, 1.9), 0.055, 0.022, blend=0.06, label="horn"),
     )
@@ -102,13 +103,13 @@ def _head(shape: Shape) -> None:
                 blend=0.05, flat=((0.0, -0.6, 1.0), 0.5), label="ear",
             ),
         )  # fmt: skip
-    shape.add(ellipsoid(place(1.72, 0, 1.545), (0.22, 0.25, 0.03), carve=True, blend=0.03))
+    shape.add(ellipsoid(place(1.72, 0, 1.53), (0.22, 0.24, 0.045), carve=True, blend=0.03))
     shape.add(
         *curve([place(*p) for p in LONG_HORN], (0.09, 0.082, 0.072, 0.06, 0.046, 0.028), blend=0.04, label="horn")
     )
     shape.add(*curve([place(*p) for p in SHORT_HORN], (0.095, 0.082, 0.064, 0.034), blend=0.04, label="horn"))
-    shape.add(tapered_capsule(place(1.52, 0.05, 1.44), place(1.56, 0.06, 1.3), 0.05, 0.02, blend=0.05, label="horn"))
-    shape.add(tapered_capsule(place(1.4, -0.05, 1.48), place(1.4, -0.07, 1.37), 0.045, 0.022, blend=0.05, label="horn"))
+    shape.add(tapered_capsule(place(1.52, 0.05, 1.41), place(1.56, 0.06, 1.27), 0.05, 0.02, blend=0.05, label="horn"))
+    shape.add(tapered_capsule(place(1.4, -0.05, 1.46), place(1.4, -0.07, 1.34), 0.045, 0.022, blend=0.05, label="horn"))
 
 
 def _forelimb(shape: Shape, side: int) -> None:
@@ -149,9 +150,10 @@ def _hindlimb(shape: Shape, side: int) -> None:
         tapered_capsule(at(-0.9, 0.33, 0.4), at(-0.78, 0.33, 0.14), 0.11, 0.11, blend=0.05),
         tapered_capsule(at(-0.78, 0.33, 0.12), at(-0.56, 0.34, 0.1), 0.12, 0.11, blend=0.06),
     )
-    for s, f in ((0.23, 0.38), (0.44, 0.42)):
+    shape.add(ellipsoid(at(-0.57, 0.335, 0.11), (0.19, 0.17, 0.115), blend=0.06))
+    for s, f in ((0.24, 0.41), (0.43, 0.45)):
         shape.add(
-            tapered_capsule(at(-0.62, 0.34, 0.1), at(-f, s, 0.09), 0.1, 0.09, blend=0.03),
+            tapered_capsule(at(-0.62, 0.34, 0.1), at(-f, s, 0.09), 0.1, 0.09, blend=0.045),
             tapered_capsule(
                 at(-f + 0.02, s, 0.11), at(-f + 0.22, s + 0.01, 0.035), 0.07, 0.026, blend=0.03, label="claw"
             ),
@@ -160,20 +162,20 @@ def _hindlimb(shape: Shape, side: int) -> None:
 
 
 def _tail(shape: Shape) -> None:
-    radii = (0.28, 0.24, 0.21, 0.185, 0.165, 0.15, 0.16)
+    radii = (0.28, 0.25, 0.22, 0.2, 0.18, 0.165, 0.17)
     for i in range(len(TAIL) - 1):
         shape.add(tapered_capsule(place(*TAIL[i]), place(*TAIL[i + 1]), radii[i], radii[i + 1], blend=0.1))
-    shape.add(ellipsoid(place(-2.74, 0.02, 0.73), (0.26, 0.24, 0.2), blend=0.08))
+    shape.add(ellipsoid(place(*CLUB), (0.26, 0.24, 0.2), blend=0.08))
     for f, s, u, size in (
-        (-2.6, 0.44, 0.86, 0.1), (-2.9, -0.4, 0.62, 0.13), (-2.8, 0.06, 1.14, 0.11),
-        (-3.14, 0.14, 0.78, 0.115), (-2.58, -0.34, 1.0, 0.08), (-2.66, 0.34, 0.5, 0.075),
+        (-2.14, 0.44, 0.93, 0.1), (-2.44, -0.4, 0.69, 0.13), (-2.34, 0.06, 1.21, 0.11),
+        (-2.68, 0.14, 0.85, 0.115), (-2.12, -0.34, 1.07, 0.08), (-2.2, 0.34, 0.57, 0.075),
     ):  # fmt: skip
-        base = 0.45 * np.array((f, s, u)) + 0.55 * np.array((-2.74, 0.02, 0.73))
+        base = 0.45 * np.array((f, s, u)) + 0.55 * np.array(CLUB)
         shape.add(tapered_capsule(place(*base), place(f, s, u), size, 0.026, blend=0.05, label="horn"))
 
     for f, s, u, length, size in (
-        (-1.12, 0.2, 1.02, 0.3, 0.105), (-1.5, -0.17, 0.86, 0.24, 0.09),
-        (-1.86, 0.14, 0.74, 0.17, 0.07), (-0.98, -0.22, 0.98, 0.13, 0.08),
+        (-1.12, 0.2, 1.02, 0.3, 0.105), (-1.36, -0.17, 0.92, 0.24, 0.09),
+        (-1.66, 0.15, 0.8, 0.17, 0.07), (-0.98, -0.22, 0.98, 0.13, 0.08),
     ):  # fmt: skip
         side = np.sign(s)
         shape.add(
@@ -213,7 +215,7 @@ def _armour(shape: Shape) -> None:
     """Keeled bony knobs in rows along flanks and tail, growing and shrinking, unlike left and right."""
     rng = np.random.default_rng(7)
     bare = Shape(list(shape.parts))
-    for angle, first, last in ((0.62, -2.1, 0.6), (1.12, -1.9, 0.75), (1.62, -1.5, 0.1)):
+    for angle, first, last in ((0.62, -1.8, 0.6), (1.12, -1.65, 0.75), (1.62, -1.4, 0.1)):
         for side in (1, -1):
             forward = first + rng.uniform(0.0, 0.15)
             while forward < last:
@@ -241,7 +243,7 @@ def horn_side(points: Array) -> Array:
 
 def _on_flank(shape: Shape, forward: float, angle: float) -> tuple[Array, Array]:
     """Point and normal where a ray from the body's axis leaves the shape; `angle` from straight up, to the left."""
-    up = float(np.interp(forward, (-2.4, -0.8, 0.8), (0.68, 1.04, 1.2)))
+    up = float(np.interp(forward, (-2.0, -0.8, 0.8), (0.76, 1.04, 1.2)))
     centre = np.array(place(forward, 0.0, up))
     steps = np.linspace(0.05, 0.9, 400)
     ray = np.array((np.sin(angle), 0.0, np.cos(angle)))
@@ -295,4 +297,4 @@ def creature() -> Shape:
     return shape
 
 
-BOX = (np.array((-0.75, -2.2, -0.08)), np.array((0.75, 3.25, 2.7)))
+BOX = (np.array((-0.75, -2.2, -0.08)), np.array((0.75, 2.8, 2.7)))

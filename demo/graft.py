@@ -42,17 +42,19 @@ def measures(donor: bpy.types.Object, receiver: bpy.types.Object, truth_path: Pa
     weights = addon.read_attribute(receiver, "isograft_weights", 3).astype(float)
     unmatched = face < 0
     safe = np.where(unmatched, 0, face)
-    points = np.einsum("nc,ncd->nd", weights, vertices[triangles[safe]])
-    corner = triangles[safe, weights.argmax(axis=1)]
+    corners = triangles[safe]
+    points = np.einsum("nc,ncd->nd", weights, vertices[corners])
     weights[unmatched] = points[unmatched] = np.nan
     correspondence = Correspondence(
         face=face,
         barycentric=weights,
         points=points,
-        vertex=np.where(unmatched, -1, corner).astype(np.int32),
+        vertex=np.where(unmatched, -1, addon.read_attribute(receiver, "isograft_vertex")).astype(np.int32),
         confidence=addon.read_attribute(receiver, "isograft_confidence").astype(float),
         stretch=np.where(unmatched, np.nan, addon.read_attribute(receiver, "isograft_stretch")).astype(float),
         region=np.where(unmatched, -1, addon.read_attribute(receiver, "isograft_region")).astype(np.int32),
+        corners=np.where(unmatched[:, None], -1, corners).astype(np.int32),
+        target_size=len(vertices),
     )
     result = evaluate(correspondence, load_truth(truth_path), (vertices, triangles), samples=1000)
     return found | {"error": result.error, "coverage": result.coverage, "false_matches": result.false_matches}

@@ -98,7 +98,7 @@ def paint(shape: Shape, points: Array, normals: Array, crevice: Array) -> tuple[
     knob = ramp(lead[:, 4], 0.0, 0.015)
     colour = mix(colour, mix(np.tile(KNOB_RIM, (len(points), 1)), KNOB, ramp(lead[:, 4], 0.01, 0.035)), 0.9 * knob)
     plate = ramp(lead[:, 1], 0.0, 0.03)
-    tip = ramp(up - np.interp(forward, (-1.9, -0.9, 0.1, 0.6, 0.95), (0.9, 1.34, 1.46, 1.58, 1.58)), 0.0, 0.24)
+    tip = ramp(up - np.interp(forward, (-1.7, -0.9, 0.1, 0.6, 0.95), (0.96, 1.34, 1.46, 1.58, 1.58)), 0.0, 0.24)
     veins = ramp(np.sin(2 * np.pi * (forward + 0.3 * up) / 0.07 + 2 * swirl(points, 0.3, 9)), 0.2, 0.9)
     flame = mix(
         mix(np.tile((0.33, 0.035, 0.03), (len(points), 1)), FLAME, ramp(tip, 0.1, 0.6)), EMBER, ramp(tip, 0.55, 1.0)
@@ -112,7 +112,7 @@ def paint(shape: Shape, points: Array, normals: Array, crevice: Array) -> tuple[
     height = height * (1 - horn) * (1 - plate) + horn * (0.3 + 0.4 * rings) + plate * (0.55 - 0.2 * veins)
     claw = ramp(lead[:, 2], -0.005, 0.01)
     colour, height = mix(colour, CLAW, claw), height * (1 - claw) + 0.5 * claw
-    mouth = ramp(0.05 - np.abs(up - 1.545), 0.0, 0.02) * ramp(forward, 1.4, 1.5) * ramp(0.7 - crevice, 0.0, 0.15)
+    mouth = ramp(0.06 - np.abs(up - 1.53), 0.0, 0.02) * ramp(forward, 1.4, 1.5) * ramp(0.7 - crevice, 0.0, 0.15)
     colour = mix(colour, (0.25, 0.02, 0.03), mouth)
     colour = colour * (0.35 + 0.65 * ramp(crevice, 0.1, 0.95))[:, None]
     return _eyes(points, lead[:, 3], np.clip(colour, 0.0, 1.0), height)

@@ -17,10 +17,11 @@ SPACING = 0.027
 TRUNCATION = 0.06
 NOISE = 0.003
 VERTICES = 13_000
-# direction from the creature (forward, left, up); nobody looks from below
+# direction from the creature (forward, left, up); none stands below the ground
 STATIONS = [
     (1, 0.9, 0.08), (1, -0.8, 0.15), (-1, 1, 0.08), (-1, -0.9, 0.12), (0.5, 0.3, 1), (-0.4, -0.3, 1),
     (0, 1, 0.05), (0.1, -1, 0.1), (1, 0.1, -0.03), (-1, 0.1, 0.15),
+    (0.7, 1, -0.13), (0.7, -1, -0.13), (-0.5, 1, -0.13), (-0.5, -1, -0.13), (-1, 0.4, -0.13), (-1, -0.4, -0.13),
 ]  # fmt: skip
 DISTANCE = 6.5
 
