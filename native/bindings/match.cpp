@@ -66,11 +66,8 @@ Match match_arrays(const Surface& source, const Surface& target, const std::stri
     options.landmarks = to_landmarks(landmarks);
     options.threads = threads;
     options.random_seed = seed;
-    // Surfaces share their contents: these copies keep them alive whatever Python does meanwhile.
-    const Surface s = source;
-    const Surface t = target;
     Match result;
-    run_with_progress(progress, [&](Monitor& monitor) { result = match(s, t, options, &monitor); });
+    run_with_progress(progress, [&](Monitor& monitor) { result = match(source, target, options, &monitor); });
     return result;
 }
 

@@ -38,16 +38,18 @@ struct Request {
     CornerTransferOptions options;
 
     Request(const IntArray& face, const DoubleArray& barycentric, const IntArray& vertex,
-            const DoubleArray& receiver_vertices_, const IntArray& receiver_faces_, const IntArray& receiver_polygons_,
-            const DoubleArray& donor_vertices_, const IntArray& donor_faces_, const DoubleArray& donor_values_,
-            double tolerance, double extrapolation, int threads)
+            const DoubleArray& given_receiver_vertices, const IntArray& given_receiver_faces,
+            const IntArray& given_receiver_polygons, const DoubleArray& given_donor_vertices,
+            const IntArray& given_donor_faces, const DoubleArray& given_donor_values, double tolerance,
+            double extrapolation, int threads)
         : correspondence(to_correspondence(face, barycentric, vertex)),
-          receiver_vertices(to_points(receiver_vertices_, "receiver_vertices")),
-          receiver_faces(to_triangles(receiver_faces_, "receiver_faces")),
-          receiver_polygons(Eigen::Map<const Eigen::VectorXi>(receiver_polygons_.data(), receiver_polygons_.size())),
-          donor_vertices(to_points(donor_vertices_, "donor_vertices")),
-          donor_faces(to_triangles(donor_faces_, "donor_faces")),
-          donor_values(to_values(donor_values_, "donor corner values")),
+          receiver_vertices(to_points(given_receiver_vertices, "receiver_vertices")),
+          receiver_faces(to_triangles(given_receiver_faces, "receiver_faces")),
+          receiver_polygons(
+              Eigen::Map<const Eigen::VectorXi>(given_receiver_polygons.data(), given_receiver_polygons.size())),
+          donor_vertices(to_points(given_donor_vertices, "donor_vertices")),
+          donor_faces(to_triangles(given_donor_faces, "donor_faces")),
+          donor_values(to_values(given_donor_values, "donor corner values")),
           options{tolerance, extrapolation, threads} {}
 
     [[nodiscard]] ReceiverMesh receiver() const { return {receiver_vertices, receiver_faces, receiver_polygons}; }

@@ -104,9 +104,7 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
     for (const auto& w : target.warnings()) report.warnings.push_back("target: " + w);
     Stopwatch whole;
     Stopwatch watch;
-    const auto lap = [&](const char* name, std::int64_t bytes) {
-        report.stages.push_back({name, watch.lap(), bytes});
-    };
+    const auto lap = [&](const char* name, std::int64_t bytes) { report.stages.push_back({name, watch.lap(), bytes}); };
 
     const PreparedPair prepared = prepare_pair(source, target, options, report, watcher, 0.0, prepared_by);
     const Pair& pair = prepared.pair;
@@ -114,8 +112,8 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
 
     std::vector<OrientedMatch> seeds = landmark_matches(pair, options);
     const int forced = static_cast<int>(seeds.size());
-    const auto found = oriented_matches(pair, options.feature, options.seed, options.threads, watcher, prepared_by,
-                                        seeded_by);
+    const auto found =
+        oriented_matches(pair, options.feature, options.seed, options.threads, watcher, prepared_by, seeded_by);
     seeds.insert(seeds.end(), found.begin(), found.end());
     lap("seeds", static_cast<std::int64_t>(seeds.size() * sizeof(OrientedMatch)));
 

@@ -55,8 +55,8 @@ Unfolded unfold(double edge, Complex far, double from_distance, double to_distan
     return result;
 }
 
-// A vertex of a good mesh is corrected twice or so, one beside slivers a dozen times.
-constexpr int most_offers = 200;
+// A vertex of a good mesh is corrected twice or so, one beside slivers a hundred times.
+constexpr int most_offers = 5000;
 
 }  // namespace
 

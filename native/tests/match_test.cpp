@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "isograft/match.h"
+
+#include <algorithm>
+#include <cmath>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "gate.h"
+#include "hierarchy/samples.h"
+#include "isograft/errors.h"
+#include "shapes.h"
+
+namespace isograft {
+namespace {
+
+MatchOptions quick() {
+    MatchOptions options = preset_options("fast");
+    options.hierarchy.samples = 350;
+    options.hierarchy.min_samples = 300;
+    options.threads = 2;
+    return options;
+}
+
+/// The blob with other bumps on it: nearly isometric.
+shapes::Shape bumped() {
+    auto shape = shapes::blob(4);
+    for (Eigen::Index v = 0; v < shape.vertices.rows(); ++v) {
+        const Eigen::Vector3d p = shape.vertices.row(v);
+        shape.vertices.row(v) *= 1.0 + 0.012 * std::sin(7.0 * p.x() + 1.0) * std::cos(6.0 * p.z());
+    }
+    return shape;
+}
+
+double spacing(const TriangleMesh& mesh, const MatchOptions& options) {
+    return sample_spacing(mesh.area, options.hierarchy.samples);
+}
+
+/// Share of all source vertices matched to within `radius` of `truth`, and of those matched at all.
+struct Score {
+    double right = 0.0, matched = 0.0;
+};
+Score score(const Correspondence& c, const Points& truth, double radius) {
+    Score result;
+    const double n = static_cast<double>(c.face.size());
+    for (Eigen::Index v = 0; v < c.face.size(); ++v) {
+        if (c.face[v] < 0) continue;
+        result.matched += 1.0 / n;
+        if ((c.points.row(v) - truth.row(v)).norm() < radius) result.right += 1.0 / n;
+    }
+    return result;
+}
+
+void expect_same_bits(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+    ASSERT_EQ(a.rows(), b.rows());
+    ASSERT_EQ(a.cols(), b.cols());
+    for (Eigen::Index i = 0; i < a.size(); ++i) {
+        const double x = a.data()[i], y = b.data()[i];
+        ASSERT_TRUE(x == y || (std::isnan(x) && std::isnan(y))) << i << ": " << x << " and " << y;
+    }
+}
+
+void expect_well_formed(const Correspondence& c, const Surface& source, const Surface& target) {
+    const Eigen::Index n = source.vertices().rows();
+    ASSERT_EQ(c.face.size(), n);
+    ASSERT_EQ(c.barycentric.rows(), n);
+    ASSERT_EQ(c.points.rows(), n);
+    ASSERT_EQ(c.vertex.size(), n);
+    ASSERT_EQ(c.confidence.size(), n);
+    ASSERT_EQ(c.stretch.size(), n);
+    ASSERT_EQ(c.region.size(), n);
+    for (Eigen::Index v = 0; v < n; ++v) {
+        if (c.face[v] < 0) {
+            EXPECT_EQ(c.face[v], -1);
+            EXPECT_EQ(c.vertex[v], -1);
+            EXPECT_EQ(c.region[v], -1);
+            EXPECT_EQ(c.confidence[v], 0.0);
+            EXPECT_TRUE(std::isnan(c.stretch[v]));
+            EXPECT_TRUE(c.barycentric.row(v).array().isNaN().all());
+            EXPECT_TRUE(c.points.row(v).array().isNaN().all());
+            continue;
+        }
+        ASSERT_LT(c.face[v], target.faces().rows());
+        EXPECT_GE(c.barycentric.row(v).minCoeff(), 0.0);
+        EXPECT_NEAR(c.barycentric.row(v).sum(), 1.0, 1e-9);
+        Eigen::RowVector3d x = Eigen::RowVector3d::Zero();
+        for (int k = 0; k < 3; ++k) x += c.barycentric(v, k) * target.vertices().row(target.faces()(c.face[v], k));
+        EXPECT_LT((x - c.points.row(v)).norm(), 1e-9);
+        Eigen::Index largest = 0;
+        c.barycentric.row(v).maxCoeff(&largest);
+        EXPECT_EQ(c.vertex[v], target.faces()(c.face[v], largest));
+        EXPECT_GE(c.confidence[v], 0.0);
+        EXPECT_LE(c.confidence[v], 1.0);
+        EXPECT_GE(c.stretch[v], 0.0);
+        EXPECT_GE(c.region[v], 0);
+    }
+}
+
+TEST(Match, FindsASurfaceInItselfBumpedTurnedAndRenumbered) {
+    const auto other = shapes::renumbered(bumped(), 41);
+    const auto target_shape = shapes::moved(other.shape, shapes::some_rotation(), {4.0, 5.0, 6.0});
+    const Surface source = gate(shapes::blob(4)), target = gate(target_shape);
+    const MatchOptions options = quick();
+    const Match result = match(source, target, options);
+    expect_well_formed(result.best(), source, target);
+    Points truth(source.vertices().rows(), 3);
+    for (Eigen::Index v = 0; v < truth.rows(); ++v) truth.row(v) = target.vertices().row(other.vertex[v]);
+    const Score s = score(result.best(), truth, spacing(target.mesh(), options));
+    EXPECT_GT(s.matched, 0.95);
+    EXPECT_GT(s.right, 0.95 * s.matched);
+    EXPECT_NEAR(result.report.scale, 1.0, 0.03);
+    EXPECT_GT(result.report.maps_grown, 0);
+    EXPECT_GE(result.report.maps_grown, result.report.maps_in_core);
+}
+
+TEST(Match, IsTheSameWithinASpacingAfterRigidMotionAndRenumbering) {
+    const MatchOptions options = quick();
+    const auto a = shapes::blob(4), b = bumped();
+    const auto other_a = shapes::renumbered(a, 51), other_b = shapes::renumbered(b, 52);
+    const Eigen::Vector3d shift(-3.0, 8.0, 1.0);
+    const Match plain = match(gate(a), gate(b), options);
+    const Match changed = match(gate(shapes::moved(other_a.shape, shapes::some_rotation(), {1, 2, 3})),
+                                gate(shapes::moved(other_b.shape, shapes::some_rotation(), shift)), options);
+    const double radius = spacing(gate(b).mesh(), options);
+    int same = 0;
+    for (Eigen::Index v = 0; v < a.vertices.rows(); ++v) {
+        const int w = other_a.vertex[v];
+        const bool here = plain.best().face[v] >= 0, there = changed.best().face[w] >= 0;
+        if (here != there) continue;
+        if (!here) {
+            ++same;
+            continue;
+        }
+        const Eigen::Vector3d expected = shapes::some_rotation() * plain.best().points.row(v).transpose() + shift;
+        same += (expected - changed.best().points.row(w).transpose()).norm() < radius;
+    }
+    EXPECT_GE(same, 0.99 * static_cast<double>(a.vertices.rows()));
+}
+
+TEST(Match, IsEqualBitForBitForOneAndForTwoThreads) {
+    const Surface source = gate(shapes::blob(3)), target = gate(shapes::noisy(shapes::blob(3), 0.005, 1));
+    MatchOptions options = quick();
+    options.threads = 1;
+    const Match one = match(source, target, options);
+    options.threads = 2;
+    const Match two = match(source, target, options);
+    ASSERT_EQ(one.correspondences.size(), two.correspondences.size());
+    for (std::size_t i = 0; i < one.correspondences.size(); ++i) {
+        const Correspondence &a = one.correspondences[i], &b = two.correspondences[i];
+        EXPECT_EQ(a.face, b.face);
+        EXPECT_EQ(a.region, b.region);
+        EXPECT_EQ(a.vertex, b.vertex);
+        expect_same_bits(a.points, b.points);
+        expect_same_bits(a.barycentric, b.barycentric);
+        expect_same_bits(a.confidence, b.confidence);
+        expect_same_bits(a.stretch, b.stretch);
+    }
+    EXPECT_EQ(one.report.scale, two.report.scale);
+    EXPECT_EQ(one.report.maps_grown, two.report.maps_grown);
+}
+
+TEST(Match, LeavesUnmatchedWhatTheTargetLacks) {
+    const auto keep = [](const Eigen::Vector3d& x) { return x.z() < 0.35; };
+    const Surface source = gate(shapes::blob(4)), target = gate(shapes::cut(bumped(), keep));
+    const MatchOptions options = quick();
+    const Match result = match(source, target, options);
+    expect_well_formed(result.best(), source, target);
+    const double radius = spacing(source.mesh(), options);
+    int kept = 0, right = 0, gone = 0, made_up = 0;
+    for (Eigen::Index v = 0; v < source.vertices().rows(); ++v) {
+        const Eigen::Vector3d x = bumped().vertices.row(v);
+        const bool matched = result.best().face[v] >= 0;
+        if (x.z() < 0.35 - radius) {
+            ++kept;
+            right += matched && (result.best().points.row(v).transpose() - x).norm() < radius;
+        } else if (x.z() > 0.35 + 2.0 * radius) {
+            ++gone;
+            made_up += matched;
+        }
+    }
+    EXPECT_GT(kept, 1000);
+    EXPECT_GT(gone, 200);
+    EXPECT_GT(right, 0.9 * kept);
+    EXPECT_LT(made_up, 0.05 * gone);
+}
+
+TEST(Match, ReportsProgressThatRisesToOne) {
+    const Surface source = gate(shapes::blob(3));
+    std::vector<double> seen;
+    std::vector<std::string> stages;
+    const auto caller = std::this_thread::get_id();
+    bool elsewhere = false;
+    Monitor monitor([&](const std::string& stage, double fraction) {
+        seen.push_back(fraction);
+        stages.push_back(stage);
+        elsewhere = elsewhere || std::this_thread::get_id() != caller;
+        return true;
+    });
+    match(source, source, quick(), &monitor);
+    EXPECT_FALSE(elsewhere);
+    EXPECT_TRUE(std::is_sorted(seen.begin(), seen.end()));
+    EXPECT_GE(seen.front(), 0.0);
+    EXPECT_EQ(seen.back(), 1.0);
+    EXPECT_GT(std::unique(stages.begin(), stages.end()) - stages.begin(), 3);
+}
+
+TEST(Match, ThrowsCancelledBeforeTheStartAndAtAnyPoint) {
+    const Surface source = gate(shapes::blob(3));
+    int calls = 0;
+    Monitor before([&](const std::string&, double) { return ++calls > 0; });
+    before.cancel();
+    EXPECT_THROW(match(source, source, quick(), &before), Cancelled);
+    EXPECT_EQ(calls, 0);
+    for (const double at : {0.0, 0.2, 0.5, 0.8, 0.95}) {
+        double last = 0.0;
+        Monitor during([&](const std::string&, double fraction) { return (last = fraction) < at; });
+        EXPECT_THROW(match(source, source, quick(), &during), Cancelled) << at;
+        EXPECT_GE(last, at);
+    }
+}
+
+TEST(Match, RefusesLandmarksOutOfRangeAndOptionsByName) {
+    const Surface source = gate(shapes::blob(2));
+    const auto refusal_of = [&](const MatchOptions& options) {
+        try {
+            match(source, source, options);
+        } catch (const InvalidInput& e) {
+            return std::string(e.what());
+        }
+        return std::string();
+    };
+    MatchOptions options;
+    options.landmarks = {{0, 0}, {0, 5000}};
+    EXPECT_NE(refusal_of(options).find("landmark 1: target vertex 5000"), std::string::npos) << refusal_of(options);
+    options.landmarks = {{-1, 0}};
+    EXPECT_NE(refusal_of(options).find("landmark 0: source vertex -1"), std::string::npos);
+    options.landmarks.clear();
+    options.threads = -1;
+    EXPECT_NE(refusal_of(options).find("threads"), std::string::npos);
+    options.threads = 1;
+    options.growth.huber = std::nan("");
+    EXPECT_NE(refusal_of(options).find("growth.huber"), std::string::npos);
+    EXPECT_THROW(preset_options("no such"), InvalidInput);
+    for (const char* name : {"fast", "default", "thorough"}) EXPECT_NO_THROW(preset_options(name).validate());
+}
+
+}  // namespace
+}  // namespace isograft
