@@ -127,6 +127,12 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
     Blended blended = blend(pair, settings, patches, watcher, grown_by, blended_by);
     report.maps_in_core = blended.maps_in_core;
     lap("blend", map_bytes);
+    if (blended.map.count == 0) {
+        report.warnings.emplace_back(
+            "no map was found that fits both surfaces, so everything is unmatched; check that they show the same "
+            "shape, "
+            "try preset thorough, or give landmarks");
+    }
 
     drop_collisions(blended.map, pair, blended.risk, options.growth.collision_radius);
     refine(blended.map, pair, options.feature, options.growth, options.dense, options.threads, watcher, blended_by,

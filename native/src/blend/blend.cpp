@@ -12,6 +12,11 @@ namespace isograft {
 
 namespace {
 
+// A map worse than this fits no better than chance would: nothing is matched then. Right maps of noisy one-sided scans
+// reach 0.4 and 0.75.
+constexpr double most_mismatch = 0.6;
+constexpr double least_curvature = 0.35;
+
 struct Contender {
     std::unique_ptr<Completion> completion;
     /// After the free extension.
@@ -93,14 +98,19 @@ Blended blend(const Pair& pair, const PatchSettings& settings, const std::vector
     for (std::size_t i = 1; i < contenders.size(); ++i) {
         if (contenders[i].score > contenders[best].score) best = i;
     }
+    result.quality = contenders[best].quality;
+    result.maps_in_core = cores[best].count;
+    if (result.quality.mismatch > most_mismatch || result.quality.curvature < least_curvature) {
+        result.risk.assign(pair.source.samples.count(), 0.0);
+        monitor.report("blend", to);
+        return result;
+    }
     Completion& completion = *contenders[best].completion;
     completion.hear(witnesses(contenders, best, settings.blend.agreement_radius));
     extend_carefully(completion, settings.blend.accept);
     completion.place_anchors();
     result.risk = completion.ring_risk();
     result.map = completion.map();
-    result.quality = contenders[best].quality;
-    result.maps_in_core = cores[best].count;
     monitor.report("blend", to);
     return result;
 }

@@ -19,6 +19,8 @@ struct Blended {
 };
 
 /// Complete the strongest cores, choose one, and carry it carefully into the rest (DESIGN section 3, stage 7).
+///
+/// The map is empty where even the best core fits the surfaces no better than chance.
 Blended blend(const Pair& pair, const PatchSettings& settings, const std::vector<Patch>& patches, Monitor& monitor,
               double from, double to);
 
