@@ -28,7 +28,8 @@ FORE = [(0.56, 0.3, 1.12), (0.4, 0.4, 0.68), (0.58, 0.39, 0.3), (0.66, 0.39, 0.1
 HIND = [(-0.68, 0.24, 1.02), (-0.44, 0.36, 0.64), (-0.9, 0.33, 0.4), (-0.78, 0.33, 0.1), (-0.54, 0.34, 0.06)]
 
 LONG_HORN = [
-    (1.28, 0.13, 1.92), (1.2, 0.27, 2.07), (1.06, 0.38, 2.2), (0.9, 0.42, 2.32), (0.76, 0.38, 2.44), (0.68, 0.3, 2.54),
+    (1.28, 0.13, 1.92), (1.2, 0.28, 2.06), (1.06, 0.38, 2.18), (0.91, 0.42, 2.28), (0.79, 0.39, 2.38),
+    (0.72, 0.33, 2.46),
 ]  # fmt: skip
 SHORT_HORN = [(1.3, -0.13, 1.92), (1.3, -0.28, 2.05), (1.38, -0.38, 2.17), (1.47, -0.41, 2.26)]
 
@@ -104,10 +105,8 @@ def _head(shape: Shape) -> None:
             ),
         )  # fmt: skip
     shape.add(ellipsoid(place(1.72, 0, 1.53), (0.22, 0.24, 0.045), carve=True, blend=0.03))
-    shape.add(
-        *curve([place(*p) for p in LONG_HORN], (0.09, 0.082, 0.072, 0.06, 0.046, 0.028), blend=0.04, label="horn")
-    )
-    shape.add(*curve([place(*p) for p in SHORT_HORN], (0.095, 0.082, 0.064, 0.034), blend=0.04, label="horn"))
+    shape.add(*curve([place(*p) for p in LONG_HORN], (0.12, 0.112, 0.1, 0.085, 0.066, 0.04), blend=0.04, label="horn"))
+    shape.add(*curve([place(*p) for p in SHORT_HORN], (0.115, 0.1, 0.08, 0.045), blend=0.04, label="horn"))
     shape.add(tapered_capsule(place(1.52, 0.05, 1.41), place(1.56, 0.06, 1.27), 0.05, 0.02, blend=0.05, label="horn"))
     shape.add(tapered_capsule(place(1.4, -0.05, 1.46), place(1.4, -0.07, 1.34), 0.045, 0.022, blend=0.05, label="horn"))
 

@@ -83,13 +83,13 @@ def undress(item: bpy.types.Object, materials: list[bpy.types.Material]) -> None
         item.data.materials[slot] = material
 
 
-def arrange(items: list[bpy.types.Object], words: list[str], size: tuple[int, int]) -> list[bpy.types.Object]:
+def arrange(items: list[bpy.types.Object], words: list[str], pixels: int) -> list[bpy.types.Object]:
     """Stand the objects side by side before the camera, hide other meshes, and put words under each: the captions."""
     line_up(items, AZIMUTH, 0.08)
     for item in bpy.context.scene.objects:
         if item.type == "MESH" and item.name != "Ground":
             item.hide_render = item not in items
-    scene.frame(items, AZIMUTH, ELEVATION, size, below=0.14)
+    scene.frame(items, AZIMUTH, ELEVATION, pixels, below=0.16)
     height = float(np.ptp(scene.world_points(items)[:, 2]))
     captions = [scene.caption(text, item, 0.075 * height) for text, item in zip(words, items, strict=True)]
     scene.level(captions)
@@ -97,7 +97,7 @@ def arrange(items: list[bpy.types.Object], words: list[str], size: tuple[int, in
 
 
 def take(
-    donor: bpy.types.Object, before: bpy.types.Object, after: bpy.types.Object, out: Path, samples: int = 32
+    donor: bpy.types.Object, before: bpy.types.Object, after: bpy.types.Object, out: Path, samples: int = 48
 ) -> None:
     """Render before_after.png, checker.png and confidence.png into `out`; leaves the three arranged and textured."""
     stand(donor)
@@ -109,15 +109,13 @@ def take(
     checker = scene.checker_material("Checker", 48.0)
     if donor.data.uv_layers:
         worn = {item: wear(item, checker, bare) for item in (donor, after)}
-        captions = arrange([donor, after], ["UV map of the model", "UV map on the scan"], (1500, 640))
+        captions = arrange([donor, after], ["UV map of the model", "UV map on the scan"], 1500)
         scene.render(str(out / "checker.png"))
         remove(captions)
         for item, materials in worn.items():
             undress(item, materials)
     confidence_picture(after, out / "confidence.png")
-    arrange(
-        [donor, before, after], ["complete model", "partial scan, another pose", "the scan after Isograft"], (1800, 590)
-    )
+    arrange([donor, before, after], ["complete model", "partial scan, another pose", "the scan after Isograft"], 1800)
     scene.render(str(out / "before_after.png"))
 
 
@@ -136,7 +134,7 @@ def confidence_picture(after: bpy.types.Object, path: Path) -> None:
         bpy.context.scene.collection.objects.link(view)
         view.matrix_world = Matrix.Rotation(math.radians(turn), 4, "Z") @ after.matrix_world
         views.append(view)
-    captions = arrange(views, ["confidence 0 to 1, grey: unmatched", "the other side"], (1500, 640))
+    captions = arrange(views, ["confidence 0 to 1, grey: unmatched", "the other side"], 1500)
     ramp = heat(np.linspace(0.0, 1.0, 65), np.ones(65, bool))
     scale = scene.colour_bar(ramp, captions[0])
     scene.render(str(path))

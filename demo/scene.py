@@ -126,16 +126,13 @@ def studio(samples: int) -> None:
     scene.camera = camera
 
 
-def frame(
-    items: list[bpy.types.Object], azimuth: float, elevation: float, size: tuple[int, int], below: float = 0.0
-) -> None:
-    """Aim a long lens at the objects so that they fill the picture.
+def frame(items: list[bpy.types.Object], azimuth: float, elevation: float, pixels: int, below: float = 0.0) -> None:
+    """Aim a long lens at the objects so that they fill a picture `pixels` wide, as high as they need.
 
     `azimuth` in degrees from the creature's forward direction (-Y) to its left (+X); `below` widens the picture at the
     bottom by that share of its height, for captions.
     """
     scene = bpy.context.scene
-    scene.render.resolution_x, scene.render.resolution_y = size
     scene.render.resolution_percentage = 100
     camera = scene.camera
     a, e = math.radians(azimuth), math.radians(elevation)
@@ -145,8 +142,12 @@ def frame(
     local = world_points(items) @ axes.T
     low, high = local.min(axis=0), local.max(axis=0)
     low[1] -= below * (high[1] - low[1])
-    aspect = size[0] / size[1]
-    width = 1.06 * max(high[0] - low[0], (high[1] - low[1]) * aspect)
+    width, height = high[0] - low[0], high[1] - low[1]
+    margin = 0.06 * max(height, 0.3 * width)
+    width, height = width + margin, height + margin
+    shape = float(np.clip(height / width, 0.2, 0.65))
+    scene.render.resolution_x, scene.render.resolution_y = pixels, 2 * round(0.5 * pixels * shape)
+    width = max(width, height / shape)
     camera.data.lens_unit = "FOV"
     camera.data.angle = math.radians(12.0)
     distance = 0.5 * width / math.tan(0.5 * camera.data.angle)
