@@ -11,5 +11,6 @@ target_link_libraries(_native PRIVATE isograft_core isograft_flags)
 # Without --gc-sections unused parts of the static C++ library ask for symbols newer than the wheel's platform tag.
 target_link_options(_native PRIVATE
     -Wl,--exclude-libs,ALL -Wl,-Bsymbolic -Wl,--gc-sections
+    -Wl,--version-script=${CMAKE_SOURCE_DIR}/cmake/module.map
     -static-libstdc++ -static-libgcc $<$<NOT:$<CONFIG:Debug>>:-Wl,-s>)
 install(TARGETS _native LIBRARY DESTINATION isograft COMPONENT python)
