@@ -90,8 +90,12 @@ def arrange(items: list[bpy.types.Object], words: list[str], pixels: int) -> lis
         if item.type == "MESH" and item.name != "Ground":
             item.hide_render = item not in items
     scene.frame(items, AZIMUTH, ELEVATION, pixels, below=0.16)
-    height = float(np.ptp(scene.world_points(items)[:, 2]))
-    captions = [scene.caption(text, item, 0.075 * height) for text, item in zip(words, items, strict=True)]
+    size = 0.075 * float(np.ptp(scene.world_points(items)[:, 2]))
+    right = np.array([math.cos(math.radians(AZIMUTH)), math.sin(math.radians(AZIMUTH)), 0.0])
+    for text, item in zip(words, items, strict=True):
+        # A letter is about half as wide as the text is high; narrow things stand close together.
+        size = min(size, float(np.ptp(scene.world_points([item]) @ right)) / (0.5 * len(text)))
+    captions = [scene.caption(text, item, size) for text, item in zip(words, items, strict=True)]
     scene.level(captions)
     return captions
 
@@ -115,7 +119,9 @@ def take(
         for item, materials in worn.items():
             undress(item, materials)
     confidence_picture(after, out / "confidence.png")
-    arrange([donor, before, after], ["complete model", "partial scan, another pose", "the scan after Isograft"], 1800)
+    made = "upright" in before
+    words = ["complete model", "partial scan, another pose", "the scan after Isograft"]
+    arrange([donor, before, after], words if made else ["donor", "receiver", "after Isograft"], 1800)
     scene.render(str(out / "before_after.png"))
 
 

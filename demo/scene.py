@@ -143,7 +143,7 @@ def frame(items: list[bpy.types.Object], azimuth: float, elevation: float, pixel
     low, high = local.min(axis=0), local.max(axis=0)
     low[1] -= below * (high[1] - low[1])
     width, height = high[0] - low[0], high[1] - low[1]
-    margin = 0.06 * max(height, 0.3 * width)
+    margin = 0.12 * max(height, 0.3 * width)  # perspective brings near things closer to the rim
     width, height = width + margin, height + margin
     shape = float(np.clip(height / width, 0.2, 0.65))
     scene.render.resolution_x, scene.render.resolution_y = pixels, 2 * round(0.5 * pixels * shape)
