@@ -8,16 +8,25 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
 
 from benchmarks.children import run_child, stop_children
-from benchmarks.options import Options, parse_options, requests_of
+from benchmarks.options import Options, largest_first, parse_options, requests_of
 from benchmarks.results import Results
 
 
 def run(options: Options) -> int:
-    requests = requests_of(options)
-    results = Results(options.output, options.described())
+    results = Results(options.output, options.described(), order=options.order, fresh=options.fresh)
+    aside = results.set_aside(options.builds, options.settings)
+    if aside:
+        print(f"{aside} rows of another build or with other settings are set aside")
+    asked = requests_of(options)
+    requests = [request for request in asked if not results.has(request)]
+    if options.jobs > 1:
+        requests = largest_first(requests)
     logs = options.output / "logs"
-    logs.mkdir(parents=True, exist_ok=True)
-    print(f"{len(requests)} runs, results in {options.output}", flush=True)
+    for folder in (logs, options.output / "maps"):
+        folder.mkdir(parents=True, exist_ok=True)
+    print(
+        f"{len(requests)} runs, {len(asked) - len(requests)} measured already; results in {options.output}", flush=True
+    )
     with ThreadPoolExecutor(options.jobs) as pool:
         futures = {pool.submit(run_child, request, options.limit, logs): request for request in requests}
         try:

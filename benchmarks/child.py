@@ -11,6 +11,8 @@ import traceback
 from pathlib import Path
 from typing import Any
 
+import isograft
+import numpy as np
 from isograft.evaluation import evaluate
 
 from benchmarks.cases import read_case
@@ -35,20 +37,39 @@ def run_request(request: dict[str, Any]) -> dict[str, Any]:
         row["matched"] = int((found.correspondence.face >= 0).sum())
     else:
         row["measured"] = True
-        row.update(
-            evaluate(
-                found.correspondence,
-                case.truth,
-                case.target,
-                samples=request["samples"],
-                unmatched_is_truth=case.unmatched_is_truth,
-            ).to_dict()
+        started = time.perf_counter()
+        measured = evaluate(
+            found.correspondence,
+            case.truth,
+            case.target,
+            samples=request["samples"],
+            unmatched_is_truth=case.unmatched_is_truth,
         )
-    if found.report is not None:
+        row["measure_seconds"] = round(time.perf_counter() - started, 3)
+        row.update(measured.to_dict())
+        row["sample_errors"] = np.round(measured.sample_errors, 2).tolist()
+        if isinstance(found.correspondence, isograft.Correspondence):
+            row["sample_confidence"] = np.round(found.correspondence.confidence[measured.sample], 3).tolist()
+    if request["maps"] is not None and isinstance(found.correspondence, isograft.Correspondence):
+        row["map"] = save_map(Path(request["maps"]), request, found.correspondence)
+    if found.report is not None and request["rotation"] == 0 and not request["reverse"]:
         unit = cost_unit(case, found.report)
         row["cost_unit_seconds"] = round(unit, 4)
         row["ratio"] = round(found.seconds / unit, 3) if unit > 0.0 else None
     return {**row, "status": "ok"}
+
+
+def save_map(folder: Path, request: dict[str, Any], correspondence: isograft.Correspondence) -> str:
+    """Keep the map for pictures; its file's name."""
+    name = f"{request['pair']['id']}{'.reversed' if request['reverse'] else ''}.npz"
+    np.savez_compressed(
+        folder / name,
+        face=correspondence.face,
+        barycentric=correspondence.barycentric.astype(np.float32),
+        points=correspondence.points.astype(np.float32),
+        confidence=correspondence.confidence.astype(np.float32),
+    )
+    return name
 
 
 def _peak_mb() -> float:

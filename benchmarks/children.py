@@ -22,6 +22,12 @@ _lock = threading.Lock()
 _stopping = threading.Event()
 
 
+def key_of(row: Row) -> tuple[str, str, int, bool]:
+    """What a row, or the request for one, is of."""
+    name = row["id"] if "id" in row else row["pair"]["id"]
+    return name, row["method"], row["rotation"], row["reverse"]
+
+
 def run_child(request: Row, limit: float, logs: Path) -> Row:
     """Run one request and return its row; a crash or a timeout is a failed row like any other.
 
@@ -30,7 +36,7 @@ def run_child(request: Row, limit: float, logs: Path) -> Row:
         logs: folder for what it prints.
     """
     pair = request["pair"]
-    name = f"{pair['id']}.{request['method']}.{request['rotation']}"
+    name = f"{pair['id']}.{request['method']}.{request['rotation']}{'.reversed' if request['reverse'] else ''}"
     row: Row = {
         "id": pair["id"],
         "collection": pair["collection"],
@@ -38,6 +44,10 @@ def run_child(request: Row, limit: float, logs: Path) -> Row:
         "method": request["method"],
         "rotation": request["rotation"],
         "reverse": request["reverse"],
+        "build": request["build"],
+        "settings": request["settings"],
+        "threads": request["threads"],
+        "jobs": request["jobs"],
         "has_truth": pair["gt_kind"] != "none",
         "has_overlap": _has_overlap(pair, reverse=request["reverse"]),
         "status": "failed",

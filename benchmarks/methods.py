@@ -118,7 +118,7 @@ def _at_vertices(images: npt.NDArray[np.int64], target: Shape) -> VertexMap:
     return VertexMap(face, weights, vertices[images])
 
 
-def cost_unit(case: Case, report: isograft.Report, windows: int = 50, seed: int = 0) -> float:
+def cost_unit(case: Case, report: isograft.Report, windows: int = 20, seed: int = 0) -> float:
     """Seconds of one full geodesic window from every sample of both surfaces, on one thread.
 
     Measured on `windows` vertices, half of them on either surface.

@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from benchmarks.build import build_of
+
 #: Vertices of the larger surface up to which the peers are run.
 PEER_LIMIT = 15_000
 
@@ -35,6 +37,22 @@ class Options:
     samples: int
     preset: str
     overrides: dict[str, Any]
+    fresh: bool
+    #: Names of all pairs, in the order in which they are to be told.
+    order: list[str]
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """What a result depends on beside the build; rows with others cannot stand in one table."""
+        return {"preset": self.preset, "overrides": self.overrides, "samples": self.samples}
+
+    @property
+    def methods(self) -> list[str]:
+        return [*([] if self.only_peers else ["isograft"]), *(PEERS if self.peers else [])]
+
+    @property
+    def builds(self) -> dict[str, str]:
+        return {method: build_of(method) for method in self.methods}
 
     def described(self) -> dict[str, Any]:
         """What a reader of the results must know to repeat them."""
@@ -80,13 +98,16 @@ def parse_options(arguments: list[str], root: Path) -> Options:
     parser.add_argument("--limit", metavar="SECONDS", type=float, default=1800.0, help="per pair (default: 1800)")
     parser.add_argument("--repeats", metavar="N", type=_count(1), default=1, help="runs of match() for the median time")
     parser.add_argument("--samples", metavar="N", type=_count(1), default=250, help="vertices measured per pair")
+    parser.add_argument("--fresh", action="store_true",
+                        help="forget what DIR holds; else what this build measured is not run again")  # fmt: skip
     given = parser.parse_args(arguments)
 
     data = given.data or Path(os.environ.get("ISOGRAFT_DATA") or root.parent / "shared" / "data")
     listing = data / "pairs.csv"
     if not listing.is_file():
         parser.error(f"{listing} does not exist; name the folder with --data")
-    pairs = _choose(_read(listing, parser), given, parser)
+    listed = _read(listing, parser)
+    pairs = _choose(listed, given, parser)
     threads = given.threads
     if threads is None and given.jobs > 1:
         threads = max(1, (os.cpu_count() or 1) // given.jobs)
@@ -105,29 +126,50 @@ def parse_options(arguments: list[str], root: Path) -> Options:
         samples=given.samples,
         preset=given.preset,
         overrides=_overrides(given.overrides, parser),
+        fresh=given.fresh,
+        order=[pair["id"] for pair in listed],
     )
 
 
 def requests_of(options: Options) -> list[dict[str, Any]]:
     """One request per process: plain data, as children.run_child() hands it on."""
+    builds = options.builds
+    common = {
+        "data": str(options.data),
+        "reverse": options.reverse,
+        "threads": options.threads,
+        "jobs": options.jobs,
+        "samples": options.samples,
+        "preset": options.preset,
+        "overrides": options.overrides,
+        "settings": options.settings,
+        "peer_limit": PEER_LIMIT,
+    }
     requests = []
     for pair in options.pairs:
-        common = {
-            "data": str(options.data),
-            "pair": pair,
-            "reverse": options.reverse,
-            "threads": options.threads,
-            "samples": options.samples,
-            "repeats": options.repeats,
-            "preset": options.preset,
-            "overrides": options.overrides,
-            "peer_limit": PEER_LIMIT,
-        }
-        if not options.only_peers:
-            requests += [{**common, "method": "isograft", "rotation": k} for k in range(options.rotations + 1)]
-        if options.peers:
-            requests += [{**common, "method": peer, "rotation": 0, "repeats": 1} for peer in PEERS]
+        for method in options.methods:
+            ours = method == "isograft"
+            for rotation in range(options.rotations + 1 if ours else 1):
+                own = {
+                    "pair": pair,
+                    "method": method,
+                    "rotation": rotation,
+                    "build": builds[method],
+                    "repeats": options.repeats if ours else 1,
+                    "maps": str(options.output / "maps") if ours and rotation == 0 else None,
+                }
+                requests.append({**common, **own})
     return requests
+
+
+def largest_first(requests: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """By the size of the files, so that several at once end at about the same time."""
+
+    def size(request: dict[str, Any]) -> int:
+        paths = [Path(request["data"]) / request["pair"][side] for side in ("source", "target")]
+        return sum(path.stat().st_size for path in paths if path.is_file())
+
+    return sorted(requests, key=size, reverse=True)
 
 
 def _count(least: int) -> Any:

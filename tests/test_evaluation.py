@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from isograft import InvalidInput, Surface
+from isograft import InvalidInput, Surface, geodesic_distances
 from isograft.evaluation import evaluate, load_truth, unfolded_distance
 
 
@@ -217,19 +217,20 @@ def test_the_sample_is_chosen_by_the_seed():
     assert np.isin(first.sample, np.flatnonzero(images >= 0)).all()
 
 
-def test_a_large_target_is_measured_piece_by_piece_with_the_same_result(monkeypatch):
-    target = strip(24, 24, radius=9.0)
+def test_near_and_far_errors_are_those_that_distances_over_the_whole_target_give():
+    vertices, faces = target = strip(24, 24, radius=9.0)
     truth = np.arange(625)
     images = truth.copy()
     images[100:200] += 2  # near
     images[200:300] = 624 - images[200:300]  # far
-    near_and_far = to_vertices(target, images)
-    whole = evaluate(near_and_far, truth, target)
-    monkeypatch.setattr("isograft.evaluation._LARGE", 100)
-    monkeypatch.setattr("isograft.evaluation._PART", 3)
-    parts = evaluate(near_and_far, truth, target)
-    assert parts.sample_errors == pytest.approx(whole.sample_errors, rel=1e-3, abs=1e-4)
-    assert whole.sample_errors.max() > 50.0
+    result = evaluate(to_vertices(target, images), truth, target)
+    start = to_vertices(target, truth)
+    expected = [
+        geodesic_distances(target, int(start.face[row]), start.barycentric[row])[images[row]] for row in result.sample
+    ]
+    area = np.linalg.norm(np.cross(*(vertices[faces[:, k]] - vertices[faces[:, 0]] for k in (1, 2))), axis=1).sum() / 2
+    assert result.sample_errors == pytest.approx(np.array(expected) / np.sqrt(area) * 100.0, rel=1e-3, abs=1e-4)
+    assert result.sample_errors.max() > 50.0
 
 
 def test_a_cloud_is_measured_by_straight_lines_over_its_two_largest_extents():

@@ -133,6 +133,19 @@ def test_geodesic_distances_are_infinite_on_another_component() -> None:
     assert np.isinf(found[4:]).all()
 
 
+def test_geodesic_distances_within_a_radius_are_those_of_the_whole() -> None:
+    mesh = surfaces.blob(3)
+    whole = isograft.geodesic_distances(mesh, 7, [0.2, 0.3, 0.5])
+    part = isograft.geodesic_distances(mesh, 7, [0.2, 0.3, 0.5], radius=0.5)
+    assert np.isinf(part[whole > 0.5]).all()
+    near = whole <= 0.45
+    assert near.sum() > 10
+    assert part[near] == pytest.approx(whole[near], rel=0.01)
+    for radius in (0.0, -1.0, np.nan, "wide"):
+        with pytest.raises(isograft.InvalidInput, match="radius must be a positive number"):
+            isograft.geodesic_distances(mesh, 7, [0.2, 0.3, 0.5], radius=radius)
+
+
 @pytest.mark.parametrize(
     ("face", "barycentric", "words"),
     [

@@ -96,7 +96,9 @@ def match(
     seed: int,
     progress: Callable[[str, float], Any] | None,
 ) -> Match: ...
-def geodesic_distances(surface: Surface, face: int, barycentric: Sequence[float]) -> npt.NDArray[np.float64]: ...
+def geodesic_distances(
+    surface: Surface, face: int, barycentric: Sequence[float], radius: float
+) -> npt.NDArray[np.float64]: ...
 def transfer_point(
     face: npt.NDArray[np.int32],
     barycentric: npt.NDArray[np.float64],

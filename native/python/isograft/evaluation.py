@@ -22,11 +22,6 @@ __all__ = ["Evaluation", "SurfacePoints", "Truth", "evaluate", "load_truth", "un
 #: Errors above this (times 100 over the root of the target's area) are false matches.
 FALSE_MATCH_ERROR = 10.0
 
-#: Above this number of target vertices, distances are searched near the true point before the whole target is.
-_LARGE = 60_000
-#: ... in at most this fraction of it.
-_PART = 16
-
 
 class SurfacePoints(Protocol):
     """What evaluate() needs of a correspondence; isograft.Correspondence has it."""
@@ -196,16 +191,15 @@ def _geodesic_errors(
     true_points = positions(truth, rows, vertices, faces)
     images = np.einsum("ij,ijk->ik", image_weights, vertices[faces[image_face]])
     straight = np.linalg.norm(images - true_points, axis=1)
-    nearby = _Nearby(surface) if len(vertices) > _LARGE else None
+    sides = np.linalg.norm(vertices[faces] - np.roll(vertices[faces], 1, axis=1), axis=2)
+    reach = 6.0 * float(sides.mean())
 
     def measured(i: int) -> float:
         candidates = starts.of(int(rows[i]))
         if any(face == image_face[i] for face, _ in candidates):  # in one triangle the straight line is the path
             return float(straight[i])
-        found = nearby.distance(candidates, int(image_face[i]), images[i], straight[i]) if nearby is not None else None
-        if found is None:
-            found = _distance(surface, candidates, faces[image_face[i]], images[i])
-        return max(found, float(straight[i]))
+        radius = max(1.5 * float(straight[i]), reach)
+        return max(_distance(surface, candidates, faces[image_face[i]], images[i], radius), float(straight[i]))
 
     # The windows run without the interpreter's lock.
     with ThreadPoolExecutor(os.cpu_count()) as pool:
@@ -241,15 +235,29 @@ class _Starts:
 
 
 def _distance(
-    surface: Surface, candidates: list[tuple[int, FloatArray]], corners: npt.NDArray[np.int32], image: FloatArray
+    surface: Surface,
+    candidates: list[tuple[int, FloatArray]],
+    corners: npt.NDArray[np.int32],
+    image: FloatArray,
+    radius: float,
 ) -> float:
-    """Geodesic distance from the point that all `candidates` describe to `image` in the triangle `corners`."""
+    """Geodesic distance from the point that all `candidates` describe to `image` in the triangle `corners`.
+
+    Looked for within `radius` first and then twice as far each time: most images lie near, and that is cheap.
+    """
+    extent = float(np.linalg.norm(np.ptp(surface.vertices, axis=0)))
     for face, weights in candidates:
         try:
-            field = geodesic_distances(surface, face, weights)
+            while True:
+                limit = radius if radius < extent else float("inf")
+                field = geodesic_distances(surface, face, weights, radius=limit)
+                found = unfolded_distance(surface.vertices[corners], field[corners], image)
+                # Near the rim distances are not quite right yet.
+                if limit == float("inf") or (found <= 0.9 * limit and np.isfinite(field[corners]).all()):
+                    return found
+                radius *= 2.0
         except InvalidInput:  # left out by the gate: another triangle at the same place will do
             continue
-        return unfolded_distance(surface.vertices[corners], field[corners], image)
     return float("inf")
 
 
@@ -281,48 +289,3 @@ def unfolded_distance(corners: FloatArray, distances: FloatArray, point: FloatAr
         if 0.0 <= crossing <= length:
             best = min(best, float(np.hypot(along - foot, height)))
     return best
-
-
-class _Nearby:
-    """Distances on the part of a large surface within a ball: a path of length L never leaves the ball of radius L."""
-
-    def __init__(self, surface: Surface) -> None:
-        self._vertices, self._faces = surface.vertices, surface.faces
-        corners = self._vertices[self._faces]
-        sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
-        self._longest = sides.max(axis=1)
-        self._edge = float(sides.mean())
-
-    def distance(
-        self, candidates: list[tuple[int, FloatArray]], image_face: int, image: FloatArray, straight: float
-    ) -> float | None:
-        """None if it is not found on a small part of the surface: then the whole costs no more than a larger one."""
-        if not candidates:
-            return None
-        face, weights = candidates[0]
-        centre = weights @ self._vertices[self._faces[face]]
-        from_centre = np.linalg.norm(self._vertices - centre, axis=1)
-        nearest = from_centre[self._faces].min(axis=1) - self._longest
-        radius = max(1.5 * straight, 8.0 * self._edge)
-        while True:
-            chosen = np.flatnonzero(nearest <= radius)
-            if len(chosen) > len(self._faces) // _PART:
-                return None
-            found = self._within(chosen, candidates, image_face, image)
-            if found <= radius:
-                return found
-            radius *= 2.0
-
-    def _within(
-        self, chosen: IntArray, candidates: list[tuple[int, FloatArray]], image_face: int, image: FloatArray
-    ) -> float:
-        used, local = np.unique(self._faces[chosen], return_inverse=True)
-        local = local.reshape(-1, 3).astype(np.int32)
-        if image_face not in chosen:
-            return float("inf")
-        inside = [(int(np.searchsorted(chosen, face)), weights) for face, weights in candidates if face in chosen]
-        try:
-            part = Surface(self._vertices[used], local)
-        except InvalidInput:  # nothing with an area in it
-            return float("inf")
-        return _distance(part, inside, local[np.searchsorted(chosen, image_face)], image)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -14,19 +15,25 @@ from isograft.errors import InvalidInput
 from isograft.surface import as_surface
 
 
-def geodesic_distances(surface: Any, face: int, barycentric: npt.ArrayLike) -> npt.NDArray[np.float64]:
+def geodesic_distances(
+    surface: Any, face: int, barycentric: npt.ArrayLike, *, radius: float = math.inf
+) -> npt.NDArray[np.float64]:
     """Geodesic distance from one point of a surface to every vertex, by polar marching over the repaired mesh.
 
     Args:
         surface: a Surface, or a tuple (vertices, faces).
         face: index of the triangle that holds the point.
         barycentric: (3,) weights of the triangle's corners, >= 0, sum 1.
+        radius: how far to go, in the surface's own units; the nearer part costs less. Within the outermost tenth a
+            distance may be up to a per cent too long.
 
     Returns:
-        (n,) in the surface's own units; infinite where no path leads (another component, an unused vertex).
+        (n,) in the surface's own units; infinite where no path leads (another component, an unused vertex) and
+        beyond `radius`.
 
     Raises:
-        InvalidInput: no such triangle, one that was left out for having no area, or weights that are no such weights.
+        InvalidInput: no such triangle, one that was left out for having no area, or weights that are no such weights,
+            or a radius that is not positive.
     """
     checked = as_surface(surface, "surface")
     index = to_int(face, "face", 0, len(checked.faces) - 1)
@@ -35,4 +42,10 @@ def geodesic_distances(surface: Any, face: int, barycentric: npt.ArrayLike) -> n
         raise InvalidInput(f"barycentric must have shape (3,), not {np.shape(barycentric)}")
     if min(weights) < -1e-9 or abs(sum(weights) - 1.0) > 1e-6:
         raise InvalidInput(f"barycentric weights must be >= 0 with sum 1, not {weights}")
-    return _native.geodesic_distances(checked.native, index, weights)
+    try:
+        limit = float(radius)
+    except (TypeError, ValueError):
+        limit = math.nan
+    if not limit > 0.0:
+        raise InvalidInput(f"radius must be a positive number, not {radius!r}")
+    return _native.geodesic_distances(checked.native, index, weights, limit)

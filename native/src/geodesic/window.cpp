@@ -167,7 +167,9 @@ std::optional<Polar> Window::query(const SurfacePoint& point) const {
     return best;
 }
 
-Eigen::VectorXd geodesic_distances(const Surface& surface, int face, const Eigen::Vector3d& barycentric) {
+Eigen::VectorXd geodesic_distances(const Surface& surface, int face, const Eigen::Vector3d& barycentric,
+                                   double radius) {
+    if (!(radius > 0.0)) throw InvalidInput("radius must be positive, not " + std::to_string(radius));
     const TriangleMesh& mesh = surface.mesh();
     const auto found = std::find(mesh.input_face.begin(), mesh.input_face.end(), face);
     if (face < 0 || face >= surface.faces().rows() || found == mesh.input_face.end()) {
@@ -180,11 +182,11 @@ Eigen::VectorXd geodesic_distances(const Surface& surface, int face, const Eigen
     centre.weight = {barycentric[0], barycentric[reversed ? 2 : 1], barycentric[reversed ? 1 : 2]};
     Window window(mesh);
     constexpr double infinity = std::numeric_limits<double>::infinity();
-    window.run(point_at(mesh, centre.face, planar(mesh, centre)), infinity);
+    window.run(point_at(mesh, centre.face, planar(mesh, centre)), radius);
     Eigen::VectorXd result = Eigen::VectorXd::Constant(surface.vertices().rows(), infinity);
     for (const int v : window.reached()) {
         double& d = result[mesh.input_vertex[v]];
-        d = std::min(d, window.distance(v));
+        if (window.distance(v) <= radius) d = std::min(d, window.distance(v));
     }
     // Vertices that were welded are at one place, and at one distance.
     const std::vector<int> working = working_vertices(surface);

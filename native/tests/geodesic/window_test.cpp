@@ -306,6 +306,29 @@ TEST(GeodesicDistances, TakeTheInputsCornersOfTurnedTriangles) {
                 (shape.vertices.row(shape.faces(30, 0)) - shape.vertices.row(shape.faces(30, 1))).norm(), 1e-6);
 }
 
+TEST(GeodesicDistances, AreTheSameWithinARadiusAndInfiniteBeyond) {
+    const Surface surface = gate(shapes::grid(20, 20, 0.5, 0.5));
+    const Eigen::VectorXd whole = geodesic_distances(surface, 400, {0.2, 0.3, 0.5});
+    const Eigen::VectorXd part = geodesic_distances(surface, 400, {0.2, 0.3, 0.5}, 3.0);
+    int near = 0;
+    for (Eigen::Index v = 0; v < whole.size(); ++v) {
+        if (whole[v] > 3.0) {
+            EXPECT_TRUE(std::isinf(part[v]));
+        } else if (whole[v] <= 2.7) {
+            EXPECT_NEAR(part[v], whole[v], 1e-9);
+            ++near;
+        }
+    }
+    EXPECT_GT(near, 50);
+}
+
+TEST(GeodesicDistances, RefuseARadiusThatIsNotPositive) {
+    const Surface surface = gate(shapes::grid(2, 2, 0.5, 0.5));
+    for (const double radius : {0.0, -1.0, std::nan("")}) {
+        EXPECT_THROW(geodesic_distances(surface, 0, {1, 0, 0}, radius), InvalidInput);
+    }
+}
+
 TEST(GeodesicDistances, RefuseATriangleThatIsNotThere) {
     auto shape = shapes::grid(2, 2, 0.5, 0.5);
     shape.faces.row(3) << 1, 1, 2;
