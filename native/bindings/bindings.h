@@ -59,5 +59,7 @@ py::array_t<typename Derived::Scalar> to_numpy(const Eigen::MatrixBase<Derived>&
 
 }  // namespace isograft::bindings
 
-/// Likewise of transfer.h.
+/// Likewise of transfer.h and the headers of single transfers.
 void bind_transfer(py::module_& m);
+void bind_invert(py::module_& m);
+void bind_frames(py::module_& m);

@@ -9,4 +9,6 @@ PYBIND11_MODULE(_native, m) {
     isograft::bindings::bind_match(m);
     isograft::bindings::bind_geodesic(m);
     bind_transfer(m);
+    bind_invert(m);
+    bind_frames(m);
 }

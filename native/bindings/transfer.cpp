@@ -1,30 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "isograft/transfer.h"
 
-#include "bindings.h"
+#include "transfer_arrays.h"
 
 namespace {
 
 using namespace isograft;
 using namespace isograft::bindings;
-
-// The arrays of a correspondence that a transfer reads; lengths are checked behind the interface.
-Correspondence to_correspondence(const IntArray& face, const DoubleArray& barycentric, const IntArray& vertex) {
-    Correspondence correspondence;
-    correspondence.face = Eigen::Map<const Eigen::VectorXi>(face.data(), face.size());
-    correspondence.barycentric = to_points(barycentric, "barycentric");
-    correspondence.vertex = Eigen::Map<const Eigen::VectorXi>(vertex.data(), vertex.size());
-    return correspondence;
-}
-
-CornerValues to_values(const DoubleArray& array, const std::string& name) {
-    if (array.ndim() != 2) {
-        throw InvalidInput(name + " must have two dimensions, got " + std::to_string(array.ndim()));
-    }
-    return Eigen::Map<const CornerValues>(array.data(), array.shape(0), array.shape(1));
-}
-
-py::array_t<bool> to_mask(const Mask& mask) { return to_numpy(mask.matrix()); }
 
 // What place_corners() and transfer_corner_uv() are given, as values of their own: Python may run meanwhile.
 struct Request {
@@ -60,25 +42,21 @@ template <class... Arguments>
 void bind(py::module_& m, const char* name, py::tuple (*function)(Arguments...)) {
     m.def(name, function, py::arg("face"), py::arg("barycentric"), py::arg("vertex"), py::arg("receiver_vertices"),
           py::arg("receiver_faces"), py::arg("receiver_polygons"), py::arg("donor_vertices"), py::arg("donor_faces"),
-          py::arg("donor_values"), py::arg("tolerance"), py::arg("extrapolation"), py::arg("threads"));
-}
-
-template <class Work>
-auto without_lock(const Work& work) {
-    const py::gil_scoped_release released;
-    return work();
+          py::arg("donor_values"), py::arg("tolerance"), py::arg("extrapolation"), py::arg("threads"),
+          py::arg("progress"));
 }
 
 py::tuple bound_place_corners(const IntArray& face, const DoubleArray& barycentric, const IntArray& vertex,
                               const DoubleArray& receiver_vertices, const IntArray& receiver_faces,
                               const IntArray& receiver_polygons, const DoubleArray& donor_vertices,
                               const IntArray& donor_faces, const DoubleArray& donor_values, double tolerance,
-                              double extrapolation, int threads) {
+                              double extrapolation, int threads, const py::object& progress) {
     const Request request(face, barycentric, vertex, receiver_vertices, receiver_faces, receiver_polygons,
                           donor_vertices, donor_faces, donor_values, tolerance, extrapolation, threads);
-    const CornerPlacement placement = without_lock([&] {
-        return place_corners(request.correspondence, request.receiver(), request.donor(), request.donor_values,
-                             request.options);
+    CornerPlacement placement;
+    run_with_progress(progress, [&](Monitor& monitor) {
+        placement = place_corners(request.correspondence, request.receiver(), request.donor(), request.donor_values,
+                                  request.options, &monitor);
     });
     return py::make_tuple(to_numpy(placement.triangle), to_numpy(placement.weights), to_numpy(placement.island),
                           to_mask(placement.mask));
@@ -88,15 +66,17 @@ py::tuple bound_transfer_corner_uv(const IntArray& face, const DoubleArray& bary
                                    const DoubleArray& receiver_vertices, const IntArray& receiver_faces,
                                    const IntArray& receiver_polygons, const DoubleArray& donor_vertices,
                                    const IntArray& donor_faces, const DoubleArray& donor_values, double tolerance,
-                                   double extrapolation, int threads) {
+                                   double extrapolation, int threads, const py::object& progress) {
     const Request request(face, barycentric, vertex, receiver_vertices, receiver_faces, receiver_polygons,
                           donor_vertices, donor_faces, donor_values, tolerance, extrapolation, threads);
     if (request.donor_values.cols() != 2) {
         throw InvalidInput("donor_corner_uv must have 2 columns, got " + std::to_string(request.donor_values.cols()));
     }
     const CornerUV uv = request.donor_values;
-    const TransferredUV moved = without_lock([&] {
-        return transfer_corner_uv(request.correspondence, request.receiver(), request.donor(), uv, request.options);
+    TransferredUV moved;
+    run_with_progress(progress, [&](Monitor& monitor) {
+        moved = transfer_corner_uv(request.correspondence, request.receiver(), request.donor(), uv, request.options,
+                                   &monitor);
     });
     return py::make_tuple(to_numpy(moved.uv), to_numpy(moved.island), to_mask(moved.mask));
 }
@@ -112,8 +92,11 @@ void bind_transfer(py::module_& m) {
             const Triangles faces = to_triangles(donor_faces, "donor_faces");
             const CornerValues given = to_values(values, "values");
             const TransferMode mode = nearest ? TransferMode::nearest : TransferMode::barycentric;
-            const TransferredValues moved =
-                without_lock([&] { return transfer_point(correspondence, faces, given, mode); });
+            TransferredValues moved;
+            {
+                const py::gil_scoped_release released;
+                moved = transfer_point(correspondence, faces, given, mode);
+            }
             return py::make_tuple(to_numpy(moved.values), to_mask(moved.mask));
         },
         py::arg("face"), py::arg("barycentric"), py::arg("vertex"), py::arg("donor_faces"), py::arg("values"),
@@ -124,7 +107,12 @@ void bind_transfer(py::module_& m) {
             const Triangles triangles = to_triangles(faces, "faces");
             const CornerValues given = to_values(values, "corner values");
             const Points points = to_points(vertices, "vertices");
-            return to_numpy(without_lock([&] { return uv_islands(triangles, given, tolerance, points); }));
+            Eigen::VectorXi islands;
+            {
+                const py::gil_scoped_release released;
+                islands = uv_islands(triangles, given, tolerance, points);
+            }
+            return to_numpy(islands);
         },
         py::arg("faces"), py::arg("values"), py::arg("tolerance"), py::arg("vertices"));
     bind(m, "place_corners", &bound_place_corners);

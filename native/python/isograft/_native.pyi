@@ -126,6 +126,7 @@ def place_corners(
     tolerance: float,
     extrapolation: float,
     threads: int,
+    progress: Callable[[str, float], Any] | None,
 ) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.float64], npt.NDArray[np.int32], npt.NDArray[np.bool_]]: ...
 def transfer_corner_uv(
     face: npt.NDArray[np.int32],
@@ -140,4 +141,31 @@ def transfer_corner_uv(
     tolerance: float,
     extrapolation: float,
     threads: int,
+    progress: Callable[[str, float], Any] | None,
 ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.int32], npt.NDArray[np.bool_]]: ...
+def invert(
+    face: npt.NDArray[np.int32],
+    barycentric: npt.NDArray[np.float64],
+    vertex: npt.NDArray[np.int32],
+    confidence: npt.NDArray[np.float64],
+    stretch: npt.NDArray[np.float64],
+    region: npt.NDArray[np.int32],
+    source_vertices: npt.NDArray[np.float64],
+    source_faces: npt.NDArray[np.int32],
+    target_vertices: npt.NDArray[np.float64],
+    target_faces: npt.NDArray[np.int32],
+    threads: int,
+    progress: Callable[[str, float], Any] | None,
+) -> Correspondence: ...
+def local_frames(
+    face: npt.NDArray[np.int32],
+    barycentric: npt.NDArray[np.float64],
+    vertex: npt.NDArray[np.int32],
+    receiver_vertices: npt.NDArray[np.float64],
+    receiver_faces: npt.NDArray[np.int32],
+    donor_vertices: npt.NDArray[np.float64],
+    donor_faces: npt.NDArray[np.int32],
+    smoothing: int,
+    threads: int,
+    progress: Callable[[str, float], Any] | None,
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], float, npt.NDArray[np.bool_]]: ...

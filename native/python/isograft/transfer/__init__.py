@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Move what a donor carries along a correspondence.
+
+The receiver is the source S of the correspondence, the donor its target T. Corner arrays have one row per corner of the
+triangles: row 3 f + c belongs to corner c of triangle f; (F, 3, ...) arrays are taken as well.
+"""
+
+from isograft.transfer.arrays import TransferredValues
+from isograft.transfer.corners import TransferredUV, transfer_corner, transfer_corner_uv, transfer_point, uv_islands
+from isograft.transfer.inverse import invert
+from isograft.transfer.shape_keys import LocalFrames, local_frames, transfer_shape_keys
+from isograft.transfer.weights import MIX_MODES, mix_weights, tidy_weights, transfer_weights
+
+__all__ = [
+    "MIX_MODES",
+    "LocalFrames",
+    "TransferredUV",
+    "TransferredValues",
+    "invert",
+    "local_frames",
+    "mix_weights",
+    "tidy_weights",
+    "transfer_corner",
+    "transfer_corner_uv",
+    "transfer_point",
+    "transfer_shape_keys",
+    "transfer_weights",
+    "uv_islands",
+]

@@ -1,0 +1,21 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Progress of work that is partly done here and partly in the compiled part."""
+
+from __future__ import annotations
+
+from isograft.errors import Cancelled
+from isograft.transfer.arrays import Progress
+
+
+def part_of(progress: Progress | None, start: float, end: float) -> Progress | None:
+    """What the compiled part may call as if its work were all of it."""
+    if progress is None:
+        return None
+    report = progress
+    return lambda stage, fraction: report(stage, start + (end - start) * fraction)
+
+
+def tell(progress: Progress | None, stage: str, fraction: float) -> None:
+    """Raises Cancelled if the answer is False."""
+    if progress is not None and progress(stage, fraction) is False:
+        raise Cancelled("cancelled")
