@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The match of several receivers as a job: in the calling thread, or in a worker with progress and cancellation.
+"""Long work as a job: in the calling thread, or in a worker with progress and cancellation.
 
 Imports no bpy: what runs here never touches Blender's data.
 """
@@ -7,12 +7,19 @@ Imports no bpy: what runs here never touches Blender's data.
 import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import isograft
 
 Progress = Callable[[str, float], bool]
 SurfaceArrays = tuple[Any, Any]
+
+
+class Work(Protocol):
+    """What a job runs."""
+
+    def run(self, progress: Progress) -> list[Any]:
+        """One result per receiver; calls `progress`, which returns False to cancel, with what is done in [0, 1]."""
 
 
 @dataclass(frozen=True)
@@ -24,16 +31,33 @@ class Task:
     receivers: Sequence[tuple[str, SurfaceArrays]]
     options: dict[str, Any]
 
+    def run(self, progress: Progress) -> list[Any]:
+        """One isograft.Match per receiver, in order."""
+        # All of them first: a mesh that is refused is refused before minutes are spent on the others.
+        donor = _surface(self.donor_name, self.donor)
+        receivers = [(name, _surface(name, arrays)) for name, arrays in self.receivers]
+        results = []
+        for index, (name, receiver) in enumerate(receivers):
+
+            def report(stage: str, fraction: float, index: int = index, name: str = name) -> bool:
+                return progress(f"{name}: {stage}", (index + fraction) / len(receivers))
+
+            try:
+                results.append(isograft.match(receiver, donor, progress=report, **self.options))
+            except (isograft.InvalidInput, isograft.ResourceLimit) as error:
+                raise ReceiverError(f"{name}: {error}") from error
+        return results
+
 
 class ReceiverError(Exception):
     """An object cannot be matched; the text names it. The cause is the engine's error."""
 
 
 class Job:
-    """One run of a Task. Nothing is kept on cancel or error."""
+    """One run of some work. Nothing is kept on cancel or error."""
 
-    def __init__(self, task: Task) -> None:
-        self._task = task
+    def __init__(self, work: Work) -> None:
+        self._work = work
         self._cancelled = threading.Event()
         self._thread: threading.Thread | None = None
         self._results: list[Any] | None = None
@@ -69,7 +93,7 @@ class Job:
             self._thread.join(timeout)
 
     def result(self) -> list[Any]:
-        """One isograft.Match per receiver, in order, after the run has ended.
+        """What the work returned, after the run has ended.
 
         Raises:
             ReceiverError: the input was refused; isograft.Cancelled: cancel() was called.
@@ -82,34 +106,17 @@ class Job:
 
     def _run(self) -> None:
         try:
-            self._results = self._match_all()
+            results = self._work.run(self._report)
+            if self._cancelled.is_set():
+                raise isograft.Cancelled("cancelled by the caller")
+            self._results = results
+            self._state = ("done", 1.0)
         except BaseException as error:  # carried over to the thread that asks for the result
             self._error = error
 
-    def _match_all(self) -> list[Any]:
-        task = self._task
-        # All of them first: a mesh that is refused is refused before minutes are spent on the others.
-        donor = _surface(task.donor_name, task.donor)
-        receivers = [(name, _surface(name, arrays)) for name, arrays in task.receivers]
-        results = []
-        for index, (name, receiver) in enumerate(receivers):
-            if self._cancelled.is_set():
-                raise isograft.Cancelled("cancelled by the caller")
-            try:
-                results.append(isograft.match(receiver, donor, progress=self._progress_of(index, name), **task.options))
-            except (isograft.InvalidInput, isograft.ResourceLimit) as error:
-                raise ReceiverError(f"{name}: {error}") from error
-        self._state = ("done", 1.0)
-        return results
-
-    def _progress_of(self, index: int, name: str) -> Progress:
-        count = len(self._task.receivers)
-
-        def report(stage: str, fraction: float) -> bool:
-            self._state = (f"{name}: {stage}", (index + fraction) / count)
-            return not self._cancelled.is_set()
-
-        return report
+    def _report(self, doing: str, fraction: float) -> bool:
+        self._state = (doing, fraction)
+        return not self._cancelled.is_set()
 
 
 def _surface(name: str, arrays: SurfaceArrays) -> isograft.Surface:

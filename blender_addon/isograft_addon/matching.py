@@ -122,7 +122,7 @@ def attributes(donor: MeshArrays, correspondence: Any) -> dict[str, Array]:
 
 
 def read_correspondence(obj: Any, donor: MeshArrays, min_confidence: float) -> SimpleNamespace:
-    """The face, barycentric and vertex arrays that a match has left on `obj`, in the donor's loop triangles.
+    """Face, barycentric, vertex and confidence that a match has left on `obj`, in the donor's loop triangles.
 
     Raises:
         RefusedError: there are none, or they do not fit.
@@ -141,6 +141,7 @@ def read_correspondence(obj: Any, donor: MeshArrays, min_confidence: float) -> S
         face=np.where(matched, face, -1).astype(np.int32),
         barycentric=weights.astype(np.float64) / np.where(matched, total, 1.0)[:, None],
         vertex=np.where(matched, vertex, -1).astype(np.int32),
+        confidence=np.where(matched, confidence, 0.0),
     )
 
 

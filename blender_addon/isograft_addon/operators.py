@@ -7,11 +7,14 @@ from typing import Any
 import bpy
 import isograft
 
-from . import bridge, grafting, matching, properties
+from . import baking, bridge, grafting, matching, properties, transfer_properties, wrapping
 from .job import Job, ReceiverError
+from .settings import Settings, engine_has
 
 TICK = 0.1
 """Seconds between two looks at a running job."""
+
+_REFUSALS = (bridge.RefusedError, ReceiverError, isograft.InvalidInput, isograft.ResourceLimit)
 
 _NAVIGATION = {"MIDDLEMOUSE", "WHEELUPMOUSE", "WHEELDOWNMOUSE", "WHEELINMOUSE", "WHEELOUTMOUSE", "MOUSEMOVE"}
 
@@ -59,29 +62,33 @@ class _DonorToReceivers:
         return {"FINISHED"}
 
 
-class OBJECT_OT_isograft_match(_DonorToReceivers, bpy.types.Operator):
-    """Find for every vertex of the other selected objects its point on the active object"""
+class _Modal(_DonorToReceivers):
+    """An operator whose work runs beside Blender; _plan() reads what it needs and later writes what it found."""
 
-    bl_idname = "object.isograft_match"
-    bl_label = "Match"
+    properties: Any
+    execute: Callable[[bpy.types.Context], set[str]]
+    verb: str
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        """Match in the calling thread."""
+    def _plan(self, context: bpy.types.Context) -> Any:
+        raise NotImplementedError
+
+    def _run(self, context: bpy.types.Context) -> set[str]:
+        """In the calling thread."""
         try:
             plan = self._plan(context)
             return self.tell(plan.write(Job(plan.task()).run()))
         except isograft.Cancelled:
             return self._cancelled()
-        except (bridge.RefusedError, ReceiverError) as error:
+        except _REFUSALS as error:
             return self.fail(error)
 
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Match in a worker thread; Esc cancels."""
+    def _start(self, context: bpy.types.Context) -> set[str]:
+        """In a worker thread; Esc cancels."""
         if bpy.app.background:
             return self.execute(context)
         try:
             self._running = self._plan(context)
-        except bridge.RefusedError as error:
+        except _REFUSALS as error:
             return self.fail(error)
         self._job = Job(self._running.task())
         self._job.start()
@@ -106,7 +113,7 @@ class OBJECT_OT_isograft_match(_DonorToReceivers, bpy.types.Operator):
             return self.tell(self._running.write(self._job.result()))
         except isograft.Cancelled:
             return self._cancelled()
-        except (bridge.RefusedError, ReceiverError) as error:
+        except _REFUSALS as error:
             return self.fail(error)
 
     def cancel(self, context: bpy.types.Context) -> None:
@@ -115,11 +122,8 @@ class OBJECT_OT_isograft_match(_DonorToReceivers, bpy.types.Operator):
         self._job.join()
         self._end(context)
 
-    def _plan(self, context: bpy.types.Context) -> matching.Plan:
-        return matching.plan(*participants(context), context, properties.match_options(self.properties))
-
     def _cancelled(self) -> set[str]:
-        self.report({"WARNING"}, "Match cancelled, nothing was changed")
+        self.report({"WARNING"}, f"{self.verb} cancelled, nothing was changed")
         return {"CANCELLED"}
 
     def _show(self, context: bpy.types.Context) -> None:
@@ -133,8 +137,27 @@ class OBJECT_OT_isograft_match(_DonorToReceivers, bpy.types.Operator):
             context.workspace.status_text_set(None)
 
 
+class OBJECT_OT_isograft_match(_Modal, bpy.types.Operator):
+    """Find for every vertex of the other selected objects its point on the active object"""
+
+    bl_idname = "object.isograft_match"
+    bl_label = "Match"
+    verb = "Match"
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Match in the calling thread."""
+        return self._run(context)
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Match in a worker thread."""
+        return self._start(context)
+
+    def _plan(self, context: bpy.types.Context) -> matching.Plan:
+        return matching.plan(*participants(context), context, properties.match_options(self.properties))
+
+
 class OBJECT_OT_isograft_transfer(_DonorToReceivers, bpy.types.Operator):
-    """Graft UV maps and colours of the active object onto the other selected objects, along their match"""
+    """Graft what the active object carries onto the other selected objects, along their match"""
 
     bl_idname = "object.isograft_transfer"
     bl_label = "Transfer"
@@ -143,20 +166,67 @@ class OBJECT_OT_isograft_transfer(_DonorToReceivers, bpy.types.Operator):
         """Compute everything for all receivers, then write."""
         donor, receivers = participants(context)
         try:
-            settings = grafting.Settings(self.what, self.min_confidence, self.overwrite, self.link_materials)
-            grafts = grafting.prepare(donor, receivers, context, settings)
-        except (bridge.RefusedError, isograft.InvalidInput, isograft.ResourceLimit) as error:
+            return self.tell(grafting.transfer_all(donor, receivers, context, Settings.of(self.properties)))
+        except _REFUSALS as error:
             return self.fail(error)
-        return self.tell([message for graft in grafts for message in graft.write()])
 
 
-_CLASSES = (OBJECT_OT_isograft_match, OBJECT_OT_isograft_transfer)
+class OBJECT_OT_isograft_bake(_Modal, bpy.types.Operator):
+    """Bake the images of the active object's materials into the other selected objects' own UV maps"""
+
+    bl_idname = "object.isograft_bake"
+    bl_label = "Bake Textures"
+    verb = "Bake"
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Bake in the calling thread."""
+        return self._run(context)
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Bake in a worker thread."""
+        return self._start(context)
+
+    def _plan(self, context: bpy.types.Context) -> baking.BakeTask:
+        settings = baking.BakeSettings.of(self.properties)
+        return baking.prepare(*participants(context), context, settings)
+
+
+class OBJECT_OT_isograft_wrap(_Modal, bpy.types.Operator):
+    """Make a new object of the active object's mesh with the shape of each other selected object"""
+
+    bl_idname = "object.isograft_wrap"
+    bl_label = "Wrap"
+    verb = "Wrap"
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Wrap in the calling thread."""
+        return self._run(context)
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Wrap in a worker thread."""
+        return self._start(context)
+
+    def _plan(self, context: bpy.types.Context) -> wrapping.WrapTask:
+        settings = wrapping.WrapSettings.of(self.properties)
+        return wrapping.prepare(*participants(context), context, settings)
+
+
+_CLASSES = (OBJECT_OT_isograft_match, OBJECT_OT_isograft_transfer, OBJECT_OT_isograft_bake, OBJECT_OT_isograft_wrap)
+
+
+_CLASSES = tuple(
+    cls
+    for cls in _CLASSES
+    if not cls.__name__.endswith(("bake", "wrap")) or engine_has(cls.__name__.rpartition("_")[2])
+)
 
 
 def register() -> None:
     """Register the operators with the native defaults."""
     OBJECT_OT_isograft_match.__annotations__ = properties.match_settings(properties.native_defaults())
-    OBJECT_OT_isograft_transfer.__annotations__ = properties.transfer_settings()
+    OBJECT_OT_isograft_transfer.__annotations__ = transfer_properties.transfer_settings()
+    OBJECT_OT_isograft_bake.__annotations__ = transfer_properties.bake_settings()
+    OBJECT_OT_isograft_wrap.__annotations__ = transfer_properties.wrap_settings()
     for cls in _CLASSES:
         bpy.utils.register_class(cls)
 

@@ -5,14 +5,16 @@ import textwrap
 
 import bpy
 
-from . import bridge, operators, properties
+from . import bridge, operators, properties, transfer_properties
+from .kinds import KINDS
+from .settings import engine_has
 
 CHARACTER_WIDTH = 8
 """Pixels a letter takes, icon and margins counted in."""
 
 
 class VIEW3D_PT_isograft(bpy.types.Panel):
-    """Match and transfer in the 3D viewport's sidebar."""
+    """Who takes part, and the match, in the 3D viewport's sidebar."""
 
     bl_label = "Isograft"
     bl_space_type = "VIEW_3D"
@@ -20,7 +22,7 @@ class VIEW3D_PT_isograft(bpy.types.Panel):
     bl_category = "Isograft"
 
     def draw(self, context: bpy.types.Context) -> None:
-        """Who gives and who receives, then the two operators with their settings."""
+        """Who gives and who receives, then the match with its settings."""
         layout = self.layout
         layout.use_property_split = True
         layout.use_property_decorate = False
@@ -30,7 +32,6 @@ class VIEW3D_PT_isograft(bpy.types.Panel):
         else:
             self._participants(context)
         self._match(context)
-        self._transfer(context)
 
     def _participants(self, context: bpy.types.Context) -> None:
         donor, receivers = operators.participants(context)
@@ -54,20 +55,102 @@ class VIEW3D_PT_isograft(bpy.types.Panel):
         row.scale_y = 1.4
         properties.copy_settings(settings, row.operator("object.isograft_match", icon="VIEWZOOM"))
 
-    def _transfer(self, context: bpy.types.Context) -> None:
+
+class VIEW3D_PT_isograft_transfer(bpy.types.Panel):
+    """What the receivers get, with the settings of each kind."""
+
+    bl_label = "Transfer"
+    bl_parent_id = "VIEW3D_PT_isograft"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Isograft"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """The kinds as buttons, the settings of the chosen ones, the operator."""
+        layout = self.layout
         settings = context.window_manager.isograft_transfer
-        self.layout.separator()
-        row = self.layout.row(align=True)
-        row.use_property_split = False
-        row.prop(settings, "what", expand=True)
-        column = self.layout.column()
-        column.prop(settings, "min_confidence")
-        column.prop(settings, "overwrite")
-        if "UV" in settings.what:
-            column.prop(settings, "link_materials")
-        row = self.layout.row()
+        grid = layout.grid_flow(row_major=True, columns=2, even_columns=True, align=True)
+        for identifier, label, _ in transfer_properties.WHAT:
+            if identifier not in KINDS:
+                continue
+            grid.prop_enum(settings, "what", identifier, text=label)
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        for identifier, label, names in _KIND_SETTINGS:
+            if identifier in settings.what:
+                box = layout.box().column()
+                box.label(text=label)
+                for name in names:
+                    if name != "mix_factor" or settings.mix_mode != "REPLACE" or settings.mix_factor != 1.0:
+                        box.prop(settings, name)
+        column = layout.column()
+        for name in ("min_confidence", "overwrite", "fill"):
+            column.prop(settings, name)
+        row = layout.row()
         row.scale_y = 1.4
         properties.copy_settings(settings, row.operator("object.isograft_transfer", icon="PASTEDOWN"))
+
+
+class VIEW3D_PT_isograft_bake(bpy.types.Panel):
+    """Textures, baked into the receivers' own UV maps."""
+
+    bl_label = "Textures"
+    bl_parent_id = "VIEW3D_PT_isograft"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Isograft"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """The settings and the operator."""
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        settings = context.window_manager.isograft_bake
+        column = layout.column()
+        for name in ("uv_source", "uv_map", "size", "margin", "float_images", "min_confidence", "overwrite"):
+            column.prop(settings, name)
+        row = layout.row()
+        row.scale_y = 1.4
+        properties.copy_settings(settings, row.operator("object.isograft_bake", icon="TEXTURE"))
+
+
+class VIEW3D_PT_isograft_wrap(bpy.types.Panel):
+    """The donor's mesh on the receiver's surface."""
+
+    bl_label = "Wrap"
+    bl_parent_id = "VIEW3D_PT_isograft"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Isograft"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        """The settings and the operator."""
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        settings = context.window_manager.isograft_wrap
+        column = layout.column()
+        for name in ("method", "min_confidence"):
+            column.prop(settings, name)
+        row = layout.row()
+        row.scale_y = 1.4
+        properties.copy_settings(settings, row.operator("object.isograft_wrap", icon="MOD_SHRINKWRAP"))
+
+
+_KIND_SETTINGS = (
+    ("UV", "UV Maps", ("uv_names", "mark_seams", "link_materials")),
+    ("COLOR", "Colours", ("color_names",)),
+    (
+        "GROUPS",
+        "Vertex Groups",
+        ("group_names", "mix_mode", "mix_factor", "normalise", "limit_total", "hook_armature"),
+    ),
+    ("KEYS", "Shape Keys", ("key_names", "key_scale", "copy_drivers")),
+    ("ATTRIBUTES", "Attributes", ("attribute_names",)),
+)
+"""Settings shown while a kind is chosen."""
 
 
 def _wrapped(layout: bpy.types.UILayout, text: str, width: int) -> None:
@@ -77,11 +160,23 @@ def _wrapped(layout: bpy.types.UILayout, text: str, width: int) -> None:
         column.label(text=line, icon="BLANK1" if number else "INFO")
 
 
+_CLASSES = (VIEW3D_PT_isograft, VIEW3D_PT_isograft_transfer, VIEW3D_PT_isograft_bake, VIEW3D_PT_isograft_wrap)
+
+
+_CLASSES = tuple(
+    cls
+    for cls in _CLASSES
+    if not cls.__name__.endswith(("bake", "wrap")) or engine_has(cls.__name__.rpartition("_")[2])
+)
+
+
 def register() -> None:
-    """Register the panel."""
-    bpy.utils.register_class(VIEW3D_PT_isograft)
+    """Register the panels."""
+    for cls in _CLASSES:
+        bpy.utils.register_class(cls)
 
 
 def unregister() -> None:
     """Undo register()."""
-    bpy.utils.unregister_class(VIEW3D_PT_isograft)
+    for cls in reversed(_CLASSES):
+        bpy.utils.unregister_class(cls)

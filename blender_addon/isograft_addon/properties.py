@@ -7,6 +7,8 @@ from typing import Any
 import bpy
 import isograft
 
+from . import transfer_properties
+
 PRESETS = {
     "fast": ("Fast", "Coarser and quicker"),
     "default": ("Default", "Accuracy and time in balance"),
@@ -19,11 +21,6 @@ SCALE_MODES = (
     ("AUTO", "Auto", "Find the ratio of the two sizes"),
     ("FIXED", "Fixed", "Both objects are in the same unit"),
     ("VALUE", "Value", "The donor is this many times the size of the receiver"),
-)
-
-WHAT = (
-    ("UV", "UV Maps", "All UV maps, islands and seams kept"),
-    ("COLOR", "Colours", "All colour attributes, of points and of face corners"),
 )
 
 _OVERRIDES: dict[str, tuple[str, str, dict[str, float]]] = {
@@ -92,33 +89,6 @@ def match_settings(defaults: dict[str, Any]) -> dict[str, Any]:
     return settings
 
 
-def transfer_settings() -> dict[str, Any]:
-    """Annotations for a class with the settings of a transfer."""
-    return {
-        "what": bpy.props.EnumProperty(
-            name="What", description="What the receivers get", items=WHAT, options={"ENUM_FLAG"}, default={"UV"}
-        ),
-        "min_confidence": bpy.props.FloatProperty(
-            name="Confidence",
-            description="Vertices matched with less confidence than this count as unmatched",
-            default=0.0,
-            min=0.0,
-            max=1.0,
-            subtype="FACTOR",
-        ),
-        "overwrite": bpy.props.BoolProperty(
-            name="Overwrite",
-            description="Write over UV maps and colours of the same name, instead of adding new ones",
-            default=False,
-        ),
-        "link_materials": bpy.props.BoolProperty(
-            name="Link Materials",
-            description="With UV maps, give receiver faces the donor's materials; faces without a match keep theirs",
-            default=True,
-        ),
-    }
-
-
 def available_presets() -> dict[str, tuple[str, str]]:
     """The presets that this build of the engine has, with label and description."""
     return {name: PRESETS.get(name, (name.title(), "")) for name in isograft.presets()}
@@ -154,7 +124,15 @@ class IsograftTransferSettings(bpy.types.PropertyGroup):
     """Settings of the next transfer, as the panel shows them."""
 
 
-_CLASSES = (IsograftMatchSettings, IsograftTransferSettings)
+class IsograftBakeSettings(bpy.types.PropertyGroup):
+    """Settings of the next bake, as the panel shows them."""
+
+
+class IsograftWrapSettings(bpy.types.PropertyGroup):
+    """Settings of the next wrap, as the panel shows them."""
+
+
+_CLASSES = (IsograftMatchSettings, IsograftTransferSettings, IsograftBakeSettings, IsograftWrapSettings)
 
 
 def register() -> None:
@@ -163,15 +141,21 @@ def register() -> None:
     They belong to the window manager: a scene's would come back with every undo.
     """
     IsograftMatchSettings.__annotations__ = match_settings(native_defaults())
-    IsograftTransferSettings.__annotations__ = transfer_settings()
+    IsograftTransferSettings.__annotations__ = transfer_properties.transfer_settings()
+    IsograftBakeSettings.__annotations__ = transfer_properties.bake_settings()
+    IsograftWrapSettings.__annotations__ = transfer_properties.wrap_settings()
     for cls in _CLASSES:
         bpy.utils.register_class(cls)
     bpy.types.WindowManager.isograft_match = bpy.props.PointerProperty(type=IsograftMatchSettings)
     bpy.types.WindowManager.isograft_transfer = bpy.props.PointerProperty(type=IsograftTransferSettings)
+    bpy.types.WindowManager.isograft_bake = bpy.props.PointerProperty(type=IsograftBakeSettings)
+    bpy.types.WindowManager.isograft_wrap = bpy.props.PointerProperty(type=IsograftWrapSettings)
 
 
 def unregister() -> None:
     """Undo register()."""
+    del bpy.types.WindowManager.isograft_wrap
+    del bpy.types.WindowManager.isograft_bake
     del bpy.types.WindowManager.isograft_transfer
     del bpy.types.WindowManager.isograft_match
     for cls in reversed(_CLASSES):

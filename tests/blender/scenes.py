@@ -75,10 +75,27 @@ def snapshot(obj: Any) -> dict[str, Any]:
         "material_index": [polygon.material_index for polygon in mesh.polygons],
         "attributes": sorted((a.name, a.data_type, a.domain) for a in mesh.attributes),
         "uv": {layer.name: uvs(obj, layer.name).tobytes() for layer in mesh.uv_layers},
+        "groups": [(group.name, group.lock_weight) for group in obj.vertex_groups],
+        "weights": [[(g.group, g.weight) for g in vertex.groups] for vertex in mesh.vertices],
+        "keys": keys(mesh),
+        "modifiers": [(item.name, item.type) for item in obj.modifiers],
+        "seams": [edge.use_seam for edge in mesh.edges],
         "properties": sorted(obj.keys()),
         "matrix": [tuple(row) for row in obj.matrix_world],
         "users": mesh.users,
     }
+
+
+def keys(mesh: Any) -> list[Any]:
+    """Every shape key of a mesh."""
+    if mesh.shape_keys is None:
+        return []
+    result = []
+    for block in mesh.shape_keys.key_blocks:
+        points = np.empty(3 * len(block.data), dtype=np.float32)
+        block.data.foreach_get("co", points)
+        result.append((block.name, block.value, block.mute, block.relative_key.name, points.tobytes()))
+    return result
 
 
 def receiver_shape() -> tuple[Array, Array]:

@@ -20,10 +20,21 @@ TRIANGLE = np.eye(3)
 @contextmanager
 def refused(words: str) -> Iterator[None]:
     """The block raises an operator's error with these words, and no object changes."""
-    before = {obj.name: snapshot(obj) for obj in bpy.data.objects if obj.type == "MESH"}
+    before = whole_file()
     with pytest.raises(RuntimeError, match=words):
         yield
-    assert {obj.name: snapshot(obj) for obj in bpy.data.objects if obj.type == "MESH"} == before
+    assert whole_file() == before
+
+
+def whole_file() -> dict[str, Any]:
+    """Every mesh object, and the names of everything that could be left behind."""
+    kinds = ("objects", "meshes", "materials", "images", "shape_keys")
+    names = {kind: sorted(getattr(bpy.data, kind).keys()) for kind in kinds}
+    selected = [obj.name for obj in bpy.context.selected_objects], bpy.context.view_layer.objects.active
+    return names | {
+        "selected": selected,
+        "snapshots": {obj.name: snapshot(obj) for obj in bpy.data.objects if obj.type == "MESH"},
+    }
 
 
 @pytest.fixture(params=["isograft_match", "isograft_transfer"])
@@ -152,7 +163,7 @@ def test_a_donor_without_what_is_asked_for_is_named(matched: MatchedPair) -> Non
         mesh.color_attributes.remove(mesh.color_attributes[name])
     mesh.uv_layers.remove(mesh.uv_layers["Atlas"])
     select(matched.donor, matched.receiver)
-    with refused("Donor has no UV map"):
+    with refused("Donor has no UV map; unwrap it first"):
         bpy.ops.object.isograft_transfer()
     with refused("Donor has no colour attribute"):
         bpy.ops.object.isograft_transfer(what={"COLOR"})

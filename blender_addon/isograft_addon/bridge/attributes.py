@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Generic attributes of any type and domain."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import bpy
+import numpy as np
+
+from .meshes import Array, get_array
+
+
+@dataclass(frozen=True)
+class AttributeLayer:
+    """Named values of a mesh, one row per element of the domain."""
+
+    name: str
+    domain: str
+    data_type: str
+    values: Array
+
+
+_STORAGE: dict[str, tuple[str, Any, int]] = {
+    "FLOAT": ("value", np.float32, 1),
+    "INT": ("value", np.int32, 1),
+    "INT8": ("value", np.int32, 1),
+    "BOOLEAN": ("value", bool, 1),
+    "FLOAT2": ("vector", np.float32, 2),
+    "FLOAT_VECTOR": ("vector", np.float32, 3),
+    "FLOAT_COLOR": ("color", np.float32, 4),
+    "BYTE_COLOR": ("color", np.float32, 4),
+    "INT32_2D": ("value", np.int32, 2),
+    "INT16_2D": ("value", np.int32, 2),
+    "QUATERNION": ("value", np.float32, 4),
+    "FLOAT4X4": ("value", np.float32, 16),
+    "STRING": ("value", object, 1),
+}
+
+_OWN_CARRIERS = {"position", "material_index", "sharp_face", "sharp_edge", "custom_normal", "id"}
+"""Built-in attributes that are no user's data; what they hold has kinds of its own or follows from the shape."""
+
+
+def read_attributes(mesh: bpy.types.Mesh) -> list[AttributeLayer]:
+    """The user's attributes: neither colours nor UV maps, nothing that Blender or this add-on keeps for itself."""
+    taken = {layer.name for layer in mesh.uv_layers} | {layer.name for layer in mesh.color_attributes}
+    return [
+        AttributeLayer(layer.name, layer.domain, layer.data_type, _values(layer))
+        for layer in mesh.attributes
+        if layer.name not in taken | _OWN_CARRIERS
+        and not layer.name.startswith((".", "isograft_"))
+        and layer.data_type in _STORAGE
+    ]
+
+
+def read_attribute(obj: bpy.types.Object, name: str, data_type: str) -> Array | None:
+    """The values of a point attribute of the object's own mesh; None if there is none of that type and size."""
+    attribute = obj.data.attributes.get(name)
+    if attribute is None or (attribute.data_type, attribute.domain) != (data_type, "POINT"):
+        return None
+    return _values(attribute)
+
+
+def read_face_attribute(mesh: bpy.types.Mesh, name: str, data_type: str) -> Array | None:
+    """The values of a face attribute, Blender's hidden ones too; None if there is none of that type."""
+    attribute = mesh.attributes.get(name)
+    if attribute is None or (attribute.data_type, attribute.domain) != (data_type, "FACE"):
+        return None
+    return _values(attribute)
+
+
+def write_attribute(obj: bpy.types.Object, name: str, domain: str, data_type: str, values: Array) -> None:
+    """Write an attribute, in place of one of the same name."""
+    attributes = obj.data.attributes
+    old = attributes.get(name)
+    if old is not None and (old.data_type, old.domain) != (data_type, domain):
+        attributes.remove(old)
+        old = None
+    key, dtype, _ = _STORAGE[data_type]
+    attribute = old or attributes.new(name, data_type, domain)
+    if data_type == "STRING":
+        for element, value in zip(attribute.data, values, strict=True):
+            element.value = value
+    else:
+        attribute.data.foreach_set(key, np.ascontiguousarray(values, dtype=dtype).ravel())
+
+
+def _values(attribute: bpy.types.Attribute) -> Array:
+    key, dtype, width = _STORAGE[attribute.data_type]
+    if attribute.data_type == "STRING":
+        return np.array([element.value for element in attribute.data], dtype=object)
+    return get_array(attribute.data, key, dtype, width)

@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Attributes of any type, on points, edges, faces and face corners."""
+
+from typing import Any
+
+import numpy as np
+from isograft import transfer
+
+from .. import bridge
+from ..bridge import Array, AttributeLayer, RefusedError
+from ..pairing import Donor, Pair
+from ..settings import Names, Settings, choose
+from .base import Kind
+from .filling import fill_corners, fill_points
+
+_WORDS = {"POINT": "points", "EDGE": "edges", "FACE": "faces", "CORNER": "face corners"}
+
+
+class Attributes(Kind):
+    """All attributes of the user's or the chosen ones; 0, false or empty where unmatched."""
+
+    noun = "attribute"
+
+    def __init__(self, pair: Pair, gift: Any, settings: Settings, names: Names) -> None:
+        super().__init__(pair, gift, settings, names)
+        self._layers: list[AttributeLayer] = gift[0]
+        self._edges: Array = gift[1]
+        self._targets = [names.claim(layer.name) for layer in self._layers]
+        self._moved: list[AttributeLayer] = []
+
+    @classmethod
+    def read(cls, donor: Donor, settings: Settings) -> tuple[list[AttributeLayer], Array]:
+        """The chosen attributes, and the vertices of the donor's edges."""
+        with donor.mesh() as mesh:
+            layers = bridge.read_attributes(mesh)
+        name = donor.obj.name
+        if not layers:
+            raise RefusedError(f"{name} has no attribute of yours; make one first, or leave attributes out")
+        return choose(layers, settings.attribute_names, name, "attribute", lambda a: a.name), donor.arrays.edges
+
+    def compute(self) -> None:
+        """Values per element of each attribute's domain."""
+        move = {"POINT": self._points, "EDGE": self._on_edges, "FACE": self._faces, "CORNER": self._corners}
+        for layer, name in zip(self._layers, self._targets, strict=True):
+            values = move[layer.domain](_without_objects(layer.values))
+            self._moved.append(AttributeLayer(name, layer.domain, layer.data_type, values))
+
+    def write(self) -> None:
+        """The attributes."""
+        for layer in self._moved:
+            bridge.write_attribute(self.pair.receiver, layer.name, layer.domain, layer.data_type, layer.values)
+
+    def received(self) -> list[str]:
+        """Names of the attributes."""
+        return [f"{layer.name} ({_WORDS[layer.domain]})" for layer in self._moved]
+
+    def _points(self, values: Array) -> Array:
+        moved = transfer.transfer_point(self.pair.correspondence, self.pair.given.triangles, values)
+        result = moved.values
+        result[~moved.mask] = np.zeros((), result.dtype)
+        if self.settings.fill:
+            result, filled = fill_points(self.pair, result, moved.mask)
+            self.filled |= filled
+        return result
+
+    def _corners(self, values: Array) -> Array:
+        pair = self.pair
+        moved = transfer.transfer_corner(
+            pair.correspondence, *pair.geometry(), values[pair.given.corners], receiver_polygons=pair.own.polygons
+        )
+        result, mask = moved.values, moved.mask
+        if self.settings.fill:
+            result, mask, filled = fill_corners(pair, result, mask)
+            self.filled |= filled
+        return pair.to_loops(result, mask)
+
+    def _faces(self, values: Array) -> Array:
+        pair = self.pair
+        moved = transfer.transfer_face(
+            pair.correspondence,
+            *pair.geometry(),
+            values,
+            receiver_polygons=pair.own.polygons,
+            donor_polygons=pair.given.polygons,
+        )
+        return moved.values
+
+    def _on_edges(self, values: Array) -> Array:
+        pair = self.pair
+        own, triangles, given, donor_triangles = pair.geometry()
+        moved = transfer.transfer_edge(
+            pair.correspondence,
+            own,
+            triangles,
+            pair.arrays.edges,
+            given,
+            donor_triangles,
+            self._edges,
+            values,
+        )
+        return moved.values
+
+
+def _without_objects(values: Array) -> Array:
+    """Strings as numpy's own, which the engine's functions compare and pick."""
+    return values.astype(str) if values.dtype == object else values

@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The three steps of every kind of data."""
+
+from typing import Any, ClassVar
+
+import numpy as np
+
+from ..bridge import Array
+from ..pairing import Donor, Pair
+from ..settings import Names, Settings
+
+MANY = 6
+"""More names than this are counted instead of listed."""
+
+
+class Kind:
+    """One kind of data on its way to one receiver.
+
+    `read` and the constructor read and refuse, `compute` works on arrays alone, `write` writes what is ready.
+    """
+
+    noun: ClassVar[str]
+
+    def __init__(self, pair: Pair, gift: Any, settings: Settings, names: Names) -> None:
+        self.pair = pair
+        self.gift = gift
+        self.settings = settings
+        self.names = names
+        self.warnings: list[str] = []
+        self.filled: Array = np.zeros(len(pair.own.vertices), dtype=bool)
+        """Receiver vertices that got values though they are unmatched."""
+
+    @classmethod
+    def read(cls, donor: Donor, settings: Settings) -> Any:
+        """What the donor has of this kind.
+
+        Raises:
+            RefusedError: nothing, or not what is asked for.
+        """
+        raise NotImplementedError
+
+    def compute(self) -> None:
+        """Work out what the receiver gets; touches no object of Blender's."""
+        raise NotImplementedError
+
+    def write(self) -> None:
+        """Give it to the receiver."""
+        raise NotImplementedError
+
+    def received(self) -> list[str]:
+        """Names of what the receiver gets."""
+        raise NotImplementedError
+
+    def summary(self) -> str:
+        """What the receiver gets, for the report; empty if nothing."""
+        names = self.received()
+        if len(names) > MANY:
+            return f"{len(names)} {self.noun}s"
+        return f"{self.noun} {', '.join(names)}" if names else ""

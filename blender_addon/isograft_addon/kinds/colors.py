@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Colour attributes of points and of face corners, byte and float."""
+
+from typing import Any
+
+import numpy as np
+from isograft import transfer
+
+from .. import bridge
+from ..bridge import Array, CornerLayer, RefusedError
+from ..pairing import Donor, Pair
+from ..settings import Names, Settings, choose
+from .base import Kind
+from .filling import fill_corners, fill_points
+
+
+class Colors(Kind):
+    """All colour attributes or the chosen ones; transparent black where unmatched."""
+
+    noun = "colour attribute"
+
+    def __init__(self, pair: Pair, gift: Any, settings: Settings, names: Names) -> None:
+        super().__init__(pair, gift, settings, names)
+        self._layers: list[CornerLayer] = gift
+        self._moved: list[CornerLayer] = []
+        self._targets = [names.claim(layer.name) for layer in self._layers]
+
+    @classmethod
+    def read(cls, donor: Donor, settings: Settings) -> list[CornerLayer]:
+        """The chosen colour attributes."""
+        with donor.mesh() as mesh:
+            layers = bridge.read_colors(donor.obj, mesh)
+        if not layers:
+            raise RefusedError(f"{donor.obj.name} has no colour attribute; paint one first, or leave colours out")
+        return choose(layers, settings.color_names, donor.obj.name, "colour attribute", lambda layer: layer.name)
+
+    def compute(self) -> None:
+        """Colours per point or loop."""
+        for layer, name in zip(self._layers, self._targets, strict=True):
+            values = self._points(layer) if layer.domain == "POINT" else self._corners(layer)
+            self._moved.append(CornerLayer(name, layer.domain, layer.data_type, values, layer.is_render))
+
+    def write(self) -> None:
+        """The attributes; the donor's rendered one is shown unless the receiver has colours of its own."""
+        obj = self.pair.receiver
+        show = not len(obj.data.color_attributes)
+        for layer in self._moved:
+            bridge.write_attribute(obj, layer.name, layer.domain, layer.data_type, layer.values)
+        for layer in self._moved:
+            if show and layer.is_render:
+                bridge.activate_color(obj, layer.name)
+
+    def received(self) -> list[str]:
+        """Names of the attributes."""
+        return [layer.name for layer in self._moved]
+
+    def _points(self, layer: CornerLayer) -> Array:
+        moved = transfer.transfer_point(self.pair.correspondence, self.pair.given.triangles, layer.values)
+        values = np.where(moved.mask[:, None], moved.values, 0.0)
+        if self.settings.fill:
+            limits = {"low": float(layer.values.min()), "high": float(layer.values.max())}
+            values, filled = fill_points(self.pair, values, moved.mask, **limits)
+            self.filled |= filled
+        return values
+
+    def _corners(self, layer: CornerLayer) -> Array:
+        pair = self.pair
+        moved = transfer.transfer_corner(
+            pair.correspondence,
+            *pair.geometry(),
+            layer.values[pair.given.corners],
+            receiver_polygons=pair.own.polygons,
+        )
+        values, mask = moved.values, moved.mask
+        if self.settings.fill:
+            values, mask, filled = fill_corners(pair, values, mask)
+            self.filled |= filled
+        return pair.to_loops(values, mask)

@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Values for what is unmatched, if the user asks for them."""
+
+import numpy as np
+from isograft import transfer
+
+from ..bridge import Array
+from ..pairing import Pair
+
+
+def fill_points(pair: Pair, values: Array, known: Array, **limits: float) -> tuple[Array, Array]:
+    """Values (n, ...) completed over the surface within the limits `low` and `high`, and the vertices (n,) filled."""
+    if known.all() or not known.any():
+        return values, np.zeros(len(known), dtype=bool)
+    completed, filled = transfer.fill_point(pair.own.vertices, pair.own.triangles, values, known, **limits)
+    return completed, filled
+
+
+def fill_corners(pair: Pair, values: Array, known: Array) -> tuple[Array, Array, Array]:
+    """Values (3 F, ...) completed, the triangles (F,) that have values now, and the vertices (n,) that were filled."""
+    # A polygon with an unmatched triangle is unmatched as a whole.
+    whole = pair.whole_polygons(known)[pair.own.polygons]
+    marked = np.zeros(len(pair.own.vertices), dtype=bool)
+    if whole.all() or not whole.any():
+        return values, whole, marked
+    completed, filled = transfer.fill_corner(
+        pair.own.vertices, pair.own.triangles, values, whole, polygons=pair.own.polygons
+    )
+    marked[pair.own.triangles[filled]] = True
+    # Vertices that have a match show it, unless only torn faces are around them.
+    known_around = np.zeros(len(marked), dtype=bool)
+    known_around[pair.own.triangles[whole]] = True
+    return completed, whole | filled, marked & ~known_around

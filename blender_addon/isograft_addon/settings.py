@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The settings of a transfer as plain values, and the choice of layers by name."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field, fields
+from fnmatch import fnmatchcase
+from typing import Any, TypeVar
+
+from isograft import transfer
+
+from .bridge import RefusedError
+
+Item = TypeVar("Item")
+
+
+@dataclass(frozen=True)
+class Settings:
+    """The properties of object.isograft_transfer."""
+
+    what: set[str] = field(default_factory=lambda: {"UV"})
+    min_confidence: float = 0.0
+    overwrite: bool = False
+    link_materials: bool = True
+    fill: bool = False
+    uv_names: str = ""
+    mark_seams: bool = True
+    color_names: str = ""
+    attribute_names: str = ""
+    group_names: str = ""
+    mix_mode: str = "REPLACE"
+    mix_factor: float = 1.0
+    normalise: bool = False
+    limit_total: int = 0
+    hook_armature: bool = False
+    key_names: str = ""
+    key_scale: str = "GLOBAL"
+    copy_drivers: bool = True
+
+    @classmethod
+    def of(cls, properties: Any) -> "Settings":
+        """Those of an operator."""
+        return cls(**{item.name: getattr(properties, item.name) for item in fields(cls)})
+
+
+def choose(items: Iterable[Item], names: str, owner: str, kind: str, name_of: Callable[[Item], str]) -> list[Item]:
+    """Those of `items` whose name is in the comma-separated list `names`, which may hold * and ?; all if it is empty.
+
+    Raises:
+        RefusedError: a name stands for nothing that `owner` has.
+    """
+    every = list(items)
+    wanted = [name.strip() for name in names.split(",") if name.strip()]
+    if not wanted:
+        return every
+    for pattern in wanted:
+        if not any(_fits(name_of(item), pattern) for item in every):
+            have = ", ".join(name_of(item) for item in every) or "none"
+            raise RefusedError(f"{owner} has no {kind} called {pattern}; it has: {have}")
+    return [item for item in every if any(_fits(name_of(item), pattern) for pattern in wanted)]
+
+
+def _fits(name: str, pattern: str) -> bool:
+    return name == pattern or fnmatchcase(name, pattern)
+
+
+def engine_has(*functions: str) -> bool:
+    """True if the native package has these functions."""
+    return all(hasattr(transfer, name) for name in functions)
+
+
+class Names:
+    """Names in use on a receiver."""
+
+    def __init__(self, taken: Iterable[str], overwrite: bool) -> None:
+        self._taken = set(taken)
+        self._overwrite = overwrite
+
+    def claim(self, name: str) -> str:
+        """A free name in Blender's manner, or `name` itself if it may be overwritten; it is then taken."""
+        free, number = name, 0
+        while free in self._taken and not self._overwrite:
+            number += 1
+            free = f"{name}.{number:03d}"
+        self._taken.add(free)
+        return free
