@@ -70,9 +70,13 @@ def scene_of(
     low, size = target.min(axis=0), np.maximum(np.ptp(target, axis=0), 1e-12)
     by_position = 0.12 + 0.83 * (target - low) / size
     truly = 0.12 + 0.83 * np.clip((images - low) / size, 0.0, 1.0)
-    near = _nearest(source, source[known])
-    shown = known.copy() if case.unmatched_is_truth else known | (near[1] < 3.0 * _edge(case.source))
-    truly = np.where(shown[:, None], truly[np.flatnonzero(known)[near[0]]], UNMATCHED)
+    truly[~known] = UNMATCHED
+    if not case.unmatched_is_truth and not known.all():
+        # Not annotated is not without counterpart: as the nearest vertex that is.
+        rows = np.flatnonzero(~known)
+        nearest, distance = _nearest(source[rows], source[known])
+        close = distance < 3.0 * _edge(case.source)
+        truly[rows[close]] = truly[np.flatnonzero(known)[nearest[close]]]
     matched_colours, heat = _panels(case, found, by_position, samples)
     return {
         "target": (target - target.mean(axis=0)) @ turn.T,
