@@ -63,3 +63,6 @@ py::array_t<typename Derived::Scalar> to_numpy(const Eigen::MatrixBase<Derived>&
 void bind_transfer(py::module_& m);
 void bind_invert(py::module_& m);
 void bind_frames(py::module_& m);
+void bind_bake(py::module_& m);
+void bind_fill(py::module_& m);
+void bind_locate(py::module_& m);

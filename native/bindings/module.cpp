@@ -11,4 +11,7 @@ PYBIND11_MODULE(_native, m) {
     bind_transfer(m);
     bind_invert(m);
     bind_frames(m);
+    bind_bake(m);
+    bind_fill(m);
+    bind_locate(m);
 }

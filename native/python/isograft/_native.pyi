@@ -169,3 +169,60 @@ def local_frames(
     threads: int,
     progress: Callable[[str, float], Any] | None,
 ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], float, npt.NDArray[np.bool_]]: ...
+def bake(
+    face: npt.NDArray[np.int32],
+    barycentric: npt.NDArray[np.float64],
+    vertex: npt.NDArray[np.int32],
+    receiver_vertices: npt.NDArray[np.float64],
+    receiver_faces: npt.NDArray[np.int32],
+    receiver_uv: npt.NDArray[np.float64],
+    wanted: npt.NDArray[np.bool_],
+    donor_vertices: npt.NDArray[np.float64],
+    donor_faces: npt.NDArray[np.int32],
+    donor_materials: npt.NDArray[np.int32],
+    channels: list[tuple[Any, ...]],
+    width: int,
+    height: int,
+    margin: int,
+    mask: npt.NDArray[np.uint8],
+    threads: int,
+    progress: Callable[[str, float], Any] | None,
+) -> None: ...
+def fill_smooth(
+    vertices: npt.NDArray[np.float64],
+    faces: npt.NDArray[np.int32],
+    values: npt.NDArray[np.float64],
+    known: npt.NDArray[np.bool_],
+    progress: Callable[[str, float], Any] | None,
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.bool_]]: ...
+def nearest_known(
+    vertices: npt.NDArray[np.float64], faces: npt.NDArray[np.int32], known: npt.NDArray[np.bool_]
+) -> npt.NDArray[np.int32]: ...
+def corner_groups(
+    faces: npt.NDArray[np.int32],
+    values: npt.NDArray[np.float64],
+    tolerance: float,
+    vertices: npt.NDArray[np.float64],
+) -> npt.NDArray[np.int32]: ...
+def complete_rigid(
+    rest: npt.NDArray[np.float64],
+    faces: npt.NDArray[np.int32],
+    placed: npt.NDArray[np.float64],
+    known: npt.NDArray[np.bool_],
+    scale: float,
+    iterations: int,
+    progress: Callable[[str, float], Any] | None,
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.bool_]]: ...
+def locate(
+    face: npt.NDArray[np.int32],
+    barycentric: npt.NDArray[np.float64],
+    vertex: npt.NDArray[np.int32],
+    receiver_vertices: npt.NDArray[np.float64],
+    receiver_faces: npt.NDArray[np.int32],
+    donor_vertices: npt.NDArray[np.float64],
+    donor_faces: npt.NDArray[np.int32],
+    point_faces: npt.NDArray[np.int32],
+    point_weights: npt.NDArray[np.float64],
+    threads: int,
+    progress: Callable[[str, float], Any] | None,
+) -> tuple[npt.NDArray[np.int32], npt.NDArray[np.float64]]: ...

@@ -12,6 +12,7 @@ import isograft
 from isograft.cli_evaluate import add_evaluate
 from isograft.cli_match import add_match
 from isograft.cli_outcome import CANCELLED, FAILED, USAGE, BadInput
+from isograft.cli_transfer import add_transfer
 
 _EPILOG = """exit codes: 0 ok, 1 failed, 2 wrong usage or bad input, 3 nothing matched (the map is still written),
 130 cancelled"""
@@ -24,6 +25,7 @@ def build_parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     add_match(commands, _EPILOG)
     add_evaluate(commands, _EPILOG)
+    add_transfer(commands, _EPILOG)
     return parser
 
 

@@ -122,4 +122,35 @@ SeamGraph build_seam_graph(const Triangles& faces, const CornerValues& values, d
     return graph;
 }
 
+Eigen::VectorXi group_corners(const SeamGraph& graph, const Triangles& faces,
+                              const std::function<bool(int f, int g)>& together) {
+    // A forest whose roots are the lowest corners.
+    std::vector<int> parent(graph.next.size());
+    std::iota(parent.begin(), parent.end(), 0);
+    const auto root = [&](int i) {
+        while (parent[i] != i) i = parent[i] = parent[parent[i]];
+        return i;
+    };
+    const auto join = [&](int a, int b) {
+        a = root(a);
+        b = root(b);
+        parent[std::max(a, b)] = std::min(a, b);
+    };
+    for (int h = 0; h < static_cast<int>(parent.size()); ++h) {
+        for (int g = graph.next[h]; g != h; g = graph.next[g]) {
+            const int f = h / 3, other = g / 3;
+            if (graph.side[g] != graph.side[h] || !together(f, other)) continue;
+            // The two ends of the edge, in either winding.
+            const int from = h % 3, to = (from + 1) % 3, there = g % 3, ahead = (there + 1) % 3;
+            const bool against = faces(f, from) == faces(other, ahead);
+            join(3 * f + from, 3 * other + (against ? ahead : there));
+            join(3 * f + to, 3 * other + (against ? there : ahead));
+        }
+    }
+    Eigen::VectorXi group(static_cast<Eigen::Index>(parent.size()));
+    int count = 0;
+    for (int i = 0; i < static_cast<int>(parent.size()); ++i) group[i] = root(i) == i ? count++ : group[root(i)];
+    return group;
+}
+
 }  // namespace isograft

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -30,5 +31,10 @@ Triangles weld(const Points& vertices, const Triangles& faces);
 
 /// \param faces #F by 3, welded. \param values 3 #F by k. O(#F log #F).
 SeamGraph build_seam_graph(const Triangles& faces, const CornerValues& values, double tolerance);
+
+/// The corners at a vertex that are joined by edges without a seam, between triangles that belong `together`.
+/// \param faces as given to build_seam_graph(). \return 3 #F: numbers from 0 by first corner. O(#F).
+Eigen::VectorXi group_corners(const SeamGraph& graph, const Triangles& faces,
+                              const std::function<bool(int f, int g)>& together);
 
 }  // namespace isograft

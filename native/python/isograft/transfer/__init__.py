@@ -6,24 +6,45 @@ triangles: row 3 f + c belongs to corner c of triangle f; (F, 3, ...) arrays are
 """
 
 from isograft.transfer.arrays import TransferredValues
+from isograft.transfer.attributes import Located, locate, transfer_face
+from isograft.transfer.baking import Baked, Channel, bake
 from isograft.transfer.corners import TransferredUV, transfer_corner, transfer_corner_uv, transfer_point, uv_islands
+from isograft.transfer.edges import transfer_edge
+from isograft.transfer.filling import Filled, fill_corner, fill_point
 from isograft.transfer.inverse import invert
+from isograft.transfer.normals import transfer_normals
+from isograft.transfer.seams import seam_edges
 from isograft.transfer.shape_keys import LocalFrames, local_frames, transfer_shape_keys
 from isograft.transfer.weights import MIX_MODES, mix_weights, tidy_weights, transfer_weights
+from isograft.transfer.wrapping import Wrapped, wrap
 
 __all__ = [
     "MIX_MODES",
+    "Baked",
+    "Channel",
+    "Filled",
     "LocalFrames",
+    "Located",
     "TransferredUV",
     "TransferredValues",
+    "Wrapped",
+    "bake",
+    "fill_corner",
+    "fill_point",
     "invert",
     "local_frames",
+    "locate",
     "mix_weights",
+    "seam_edges",
     "tidy_weights",
     "transfer_corner",
     "transfer_corner_uv",
+    "transfer_edge",
+    "transfer_face",
+    "transfer_normals",
     "transfer_point",
     "transfer_shape_keys",
     "transfer_weights",
     "uv_islands",
+    "wrap",
 ]

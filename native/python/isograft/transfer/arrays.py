@@ -126,3 +126,10 @@ def as_type(moved: Array, data: Array, count: int) -> Array:
         limits = np.iinfo(data.dtype)
         moved = np.clip(np.rint(moved), limits.min, limits.max)
     return moved.astype(data.dtype).reshape(count, *data.shape[1:])
+
+
+def check_indices(indices: Array, count: int, name: str) -> None:
+    bad = (indices < 0) | (indices >= count)
+    if bad.any():
+        row = int(bad.any(axis=1).argmax())
+        raise _native.InvalidInput(f"{name} row {row} is {indices[row].tolist()}: there are {count} vertices")

@@ -1,0 +1,196 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Mesh files in, mesh file out: what the command line transfers, computed whole before anything is written."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from isograft.correspondence import Correspondence
+from isograft.errors import InvalidInput
+from isograft.formats.mesh import MeshFile
+from isograft.formats.mesh_output import MeshOutput
+from isograft.transfer import Channel, bake, fill_corner, fill_point, transfer_corner_uv, transfer_point, wrap
+from isograft.transfer.arrays import Array, Progress
+from isograft.transfer.progress import part_of
+
+
+@dataclass(eq=False)
+class Graft:
+    """Everything that is written."""
+
+    mesh: MeshOutput
+    #: (height, width, components), the first row the lowest.
+    image: Array | None = None
+    #: What was moved, by name.
+    counts: dict[str, int] = field(default_factory=dict)
+    warnings: list[str] = field(default_factory=list)
+
+    def sentence(self) -> str:
+        """What was moved, for people."""
+        return ", ".join(f"{count} {name.replace('_', ' ')}" for name, count in self.counts.items())
+
+
+def at_least(correspondence: Correspondence, confidence: float) -> Correspondence:
+    """The same map with vertices of less confidence unmatched."""
+    low = correspondence.matched & (correspondence.confidence < confidence)
+    if not low.any():
+        return correspondence
+    changed: dict[str, Any] = {}
+    for name, array in correspondence.arrays().items():
+        changed[name] = array.copy()
+        changed[name][low] = np.nan if array.dtype.kind == "f" else -1
+    changed["confidence"][low] = 0.0
+    return dataclasses.replace(correspondence, **changed)
+
+
+def graft(
+    correspondence: Correspondence,
+    receiver: MeshFile,
+    donor: MeshFile,
+    *,
+    what: set[str],
+    fill: bool = False,
+    image: Array | None = None,
+    size: int = 1024,
+    margin: int = 16,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> Graft:
+    """Move uv, color, texture, or the shape (alone). `image` is the donor's, for texture.
+
+    Raises:
+        InvalidInput: the map does not fit, or the donor's data cannot be used.
+    """
+    if "shape" in what:
+        return _shape(correspondence, receiver, donor, threads, progress)
+    polygons = receiver.polygons
+    mesh = MeshOutput(
+        receiver.vertices, polygons.sizes, polygons.corners, colors=receiver.colors, corner_uvs=receiver.corner_uvs
+    )
+    result = Graft(mesh)
+    filled = np.zeros(len(receiver.vertices), bool)
+    triangle_uvs = receiver.triangle_uvs
+    has_uvs: Array | None = None
+    if "uv" in what:
+        triangle_uvs, has_uvs, made_up = _uvs(
+            correspondence, receiver, donor, fill, threads, part_of(progress, 0.0, 0.3)
+        )
+        filled[receiver.faces[made_up]] = True
+        corner_uvs: Array = np.full((len(polygons.corners), 2), np.nan)
+        corner_uvs[receiver.triangle_corners[has_uvs]] = triangle_uvs[has_uvs]
+        mesh.corner_uvs = corner_uvs
+        result.counts["polygons_with_uv"] = len(np.unique(receiver.triangle_polygon[has_uvs]))
+    if "color" in what:
+        mesh.colors, made_up = _colors(correspondence, receiver, donor, fill)
+        filled |= made_up
+        result.counts["vertices_coloured"] = int((correspondence.matched | made_up).sum())
+    if fill:
+        mesh.filled = filled
+    if "texture" in what and image is not None and triangle_uvs is not None:
+        donor_uvs = _whole(donor, "read an image with")
+        usable: Array = np.asarray(np.isfinite(triangle_uvs).all(axis=(1, 2))) if has_uvs is None else has_uvs
+        baked = bake(
+            correspondence,
+            receiver.vertices,
+            receiver.faces,
+            np.where(usable[:, None, None], triangle_uvs, 0.0),
+            donor.vertices,
+            donor.faces,
+            donor_uvs,
+            Channel(image),
+            size,
+            receiver_mask=usable,
+            margin=margin,
+            threads=threads,
+            progress=part_of(progress, 0.3, 1.0),
+        )
+        result.image = baked.images[0]
+        result.counts["texels_baked"] = int((baked.mask == 1).sum())
+        outside = usable & ((triangle_uvs < 0.0) | (triangle_uvs > 1.0)).any(axis=(1, 2))
+        if outside.any():
+            result.warnings.append(
+                f"{int(outside.sum())} triangles of the receiver lie partly outside of the unit square: no texels there"
+            )
+    return result
+
+
+def _whole(mesh: MeshFile, purpose: str) -> Array:
+    uvs = mesh.triangle_uvs
+    if uvs is None:
+        raise InvalidInput(f"{mesh.path}: there are no texture coordinates to {purpose}")
+    lacking = np.isnan(uvs).any(axis=(1, 2))
+    if lacking.any():
+        raise InvalidInput(
+            f"{mesh.path}: {int(lacking.sum())} of {len(uvs)} triangles have no texture coordinates, the first is "
+            f"triangle {int(lacking.argmax())}; unwrap all of the mesh"
+        )
+    return uvs
+
+
+def _uvs(
+    correspondence: Correspondence,
+    receiver: MeshFile,
+    donor: MeshFile,
+    fill: bool,
+    threads: int | None,
+    progress: Progress | None,
+) -> tuple[Array, Array, Array]:
+    """(F, 3, 2), which triangles have UVs, and which of them were made up."""
+    moved = transfer_corner_uv(
+        correspondence,
+        receiver.vertices,
+        receiver.faces,
+        donor.vertices,
+        donor.faces,
+        _whole(donor, "transfer"),
+        receiver_polygons=receiver.triangle_polygon,
+        threads=threads,
+        progress=progress,
+    )
+    uvs, mask, made_up = moved.uv, moved.mask, np.zeros(len(receiver.faces), bool)
+    if fill and not mask.all():
+        uvs, made_up = fill_corner(receiver.vertices, receiver.faces, uvs, mask)
+    return uvs.reshape(-1, 3, 2), mask | made_up, made_up
+
+
+def _colors(
+    correspondence: Correspondence, receiver: MeshFile, donor: MeshFile, fill: bool
+) -> tuple[Array, npt.NDArray[np.bool_]]:
+    moved = transfer_point(correspondence, donor.faces, donor.colors)
+    colors: Array = np.where(moved.mask[:, None], moved.values, 0.0)
+    made_up = np.zeros(len(colors), bool)
+    if fill:
+        colors, made_up = fill_point(receiver.vertices, receiver.faces, colors, moved.mask, low=0.0, high=1.0)
+    own = receiver.colors
+    if own is not None and own.shape[1] == colors.shape[1]:
+        left = ~(moved.mask | made_up)
+        colors[left] = own[left]
+    return colors, made_up
+
+
+def _shape(
+    correspondence: Correspondence,
+    receiver: MeshFile,
+    donor: MeshFile,
+    threads: int | None,
+    progress: Progress | None,
+) -> Graft:
+    wrapped = wrap(
+        correspondence,
+        receiver.vertices,
+        receiver.faces,
+        donor.vertices,
+        donor.faces,
+        threads=threads,
+        progress=progress,
+    )
+    polygons = donor.polygons
+    mesh = MeshOutput(
+        wrapped.vertices, polygons.sizes, polygons.corners, donor.colors, donor.corner_uvs, filled=wrapped.filled
+    )
+    return Graft(mesh, counts={"vertices_placed": int((~wrapped.filled).sum()), "completed": int(wrapped.filled.sum())})

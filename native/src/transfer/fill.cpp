@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "isograft/fill.h"
+
+#include <algorithm>
+#include <functional>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
+#include <Eigen/SparseCholesky>
+
+#include "isograft/errors.h"
+#include "transfer/checks.h"
+#include "transfer/laplacian.h"
+#include "transfer/seams.h"
+
+namespace isograft {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+namespace {
+
+using Solver = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>;
+
+// Positions that move less than this share of the shape's size in a round have settled.
+constexpr double settled = 1e-6;
+
+void check(const Points& vertices, const Triangles& faces, const CornerValues& values, const Mask& known) {
+    check_faces(faces, vertices.rows(), "faces");
+    check_finite(vertices, "vertices");
+    const auto same = [&](Eigen::Index rows, const char* name) {
+        if (rows == vertices.rows()) return;
+        throw InvalidInput(std::string("`") + name + "` has " + std::to_string(rows) + " rows, expected " +
+                           std::to_string(vertices.rows()) + ", one per vertex");
+    };
+    same(values.rows(), "values");
+    same(known.rows(), "known");
+    for (Eigen::Index v = 0; v < known.rows(); ++v) {
+        if (!known[v] || values.row(v).array().isFinite().all()) continue;
+        throw InvalidInput("`values` holds NaN or infinity in row " + std::to_string(v) + ", which is known");
+    }
+}
+
+void factorise(Solver& solver, const Eigen::SparseMatrix<double>& matrix) {
+    solver.compute(matrix);
+    if (solver.info() != Eigen::Success)
+        throw InvalidInput("the mesh is too degenerate to fill: remove zero-area faces");
+}
+
+// What every known vertex has, 0 elsewhere.
+Eigen::MatrixXd known_values(const CornerValues& values, const Mask& known) {
+    Eigen::MatrixXd result = Eigen::MatrixXd::Zero(values.rows(), values.cols());
+    for (Eigen::Index v = 0; v < known.rows(); ++v) {
+        if (known[v]) result.row(v) = values.row(v);
+    }
+    return result;
+}
+
+void fill_unknowns(const Eigen::SparseMatrix<double>& energy, const Unknowns& unknowns, const Mask& known,
+                   CornerValues& values, Monitor& monitor) {
+    Solver solver;
+    monitor.check();
+    factorise(solver, unknowns.block(energy));
+    monitor.report("fill", 0.8);
+    const Eigen::MatrixXd pull = energy * known_values(values, known);
+    Eigen::MatrixXd right(unknowns.count(), values.cols());
+    for (Eigen::Index i = 0; i < unknowns.count(); ++i) right.row(i) = -pull.row(unknowns.vertex[i]);
+    for (Eigen::Index k = 0; k < values.cols(); ++k) {
+        monitor.check();
+        const Eigen::VectorXd solved = solver.solve(right.col(k));
+        for (Eigen::Index i = 0; i < unknowns.count(); ++i) values(unknowns.vertex[i], k) = solved[i];
+    }
+}
+
+Eigen::SparseMatrix<double> bilaplacian(const Points& vertices, const Triangles& faces) {
+    const Eigen::SparseMatrix<double> first = laplacian(vertices, faces);
+    const Eigen::VectorXd areas = vertex_areas(vertices, faces);
+    return first * areas.cwiseInverse().asDiagonal() * first;
+}
+
+// One fit of rotations to the edges around every vertex, and the right-hand side that they ask for.
+class RigidEnergy {
+  public:
+    RigidEnergy(const Points& rest, const Triangles& faces) : rest_(rest), matrix_(laplacian(rest, faces)) {}
+
+    [[nodiscard]] const Eigen::SparseMatrix<double>& matrix() const { return matrix_; }
+
+    [[nodiscard]] std::vector<Matrix3d> rotations(const CornerValues& placed) const {
+        std::vector<Matrix3d> rotation(rest_.rows(), Matrix3d::Identity());
+        for (int v = 0; v < rest_.rows(); ++v) {
+            Matrix3d product = Matrix3d::Zero();
+            each(v, [&](int other, double weight) {
+                product += weight * (rest_.row(v) - rest_.row(other)).transpose() * (placed.row(v) - placed.row(other));
+            });
+            const Eigen::JacobiSVD<Matrix3d> svd(product, Eigen::ComputeFullU | Eigen::ComputeFullV);
+            Matrix3d flip = Matrix3d::Identity();
+            if ((svd.matrixV() * svd.matrixU().transpose()).determinant() < 0.0) flip(2, 2) = -1.0;
+            rotation[v] = svd.matrixV() * flip * svd.matrixU().transpose();
+        }
+        return rotation;
+    }
+
+    [[nodiscard]] Vector3d wanted(int v, const std::vector<Matrix3d>& rotation) const {
+        Vector3d sum = Vector3d::Zero();
+        each(v, [&](int other, double weight) {
+            sum += 0.5 * weight * (rotation[v] + rotation[other]) * (rest_.row(v) - rest_.row(other)).transpose();
+        });
+        return sum;
+    }
+
+  private:
+    template <class Visit>
+    void each(int v, const Visit& visit) const {
+        for (Eigen::SparseMatrix<double>::InnerIterator it(matrix_, v); it; ++it) {
+            if (it.row() != v) visit(static_cast<int>(it.row()), -it.value());
+        }
+    }
+
+    const Points& rest_;
+    Eigen::SparseMatrix<double> matrix_;
+};
+
+}  // namespace
+
+TransferredValues fill_smooth(const Points& vertices, const Triangles& faces, const CornerValues& values,
+                              const Mask& known, Monitor* monitor) {
+    check(vertices, faces, values, known);
+    Monitor silent;
+    Monitor& watched = monitor != nullptr ? *monitor : silent;
+    watched.report("fill", 0.0);
+    const Unknowns unknowns(faces, known);
+    TransferredValues filled{values, unknowns.mask()};
+    if (unknowns.count() > 0) fill_unknowns(bilaplacian(vertices, faces), unknowns, known, filled.values, watched);
+    watched.report("fill", 1.0);
+    return filled;
+}
+
+Eigen::VectorXi nearest_known(const Points& vertices, const Triangles& faces, const Mask& known) {
+    check(vertices, faces, CornerValues(vertices.rows(), 0), known);
+    const auto count = static_cast<std::size_t>(vertices.rows());
+    std::vector<std::size_t> first(count + 1, 0);
+    for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+        for (int c = 0; c < 3; ++c) first[faces(f, c) + 1] += 2;
+    }
+    for (std::size_t v = 0; v < count; ++v) first[v + 1] += first[v];
+    std::vector<std::size_t> next(first.begin(), first.end() - 1);
+    std::vector<int> neighbour(first[count]);
+    for (Eigen::Index f = 0; f < faces.rows(); ++f) {
+        for (int c = 0; c < 3; ++c) {
+            neighbour[next[faces(f, c)]++] = faces(f, (c + 1) % 3);
+            neighbour[next[faces(f, c)]++] = faces(f, (c + 2) % 3);
+        }
+    }
+    Eigen::VectorXi source = Eigen::VectorXi::Constant(vertices.rows(), -1);
+    std::vector<double> length(count, std::numeric_limits<double>::infinity());
+    using Entry = std::pair<double, std::pair<int, int>>;  // length, (source, vertex): equal lengths by the lowest
+    std::vector<Entry> heap;
+    for (int v = 0; v < known.rows(); ++v) {
+        if (!known[v]) continue;
+        length[v] = 0.0;
+        source[v] = v;
+        heap.push_back({0.0, {v, v}});
+    }
+    std::make_heap(heap.begin(), heap.end(), std::greater<>());
+    while (!heap.empty()) {
+        std::pop_heap(heap.begin(), heap.end(), std::greater<>());
+        const auto [done, from] = heap.back();
+        heap.pop_back();
+        const auto [origin, v] = from;
+        if (done > length[v] || source[v] != origin) continue;
+        for (std::size_t i = first[v]; i < first[v + 1]; ++i) {
+            const int w = neighbour[i];
+            const double longer = done + (vertices.row(v) - vertices.row(w)).norm();
+            if (longer > length[w] || (longer == length[w] && source[w] <= origin)) continue;
+            length[w] = longer;
+            source[w] = origin;
+            heap.push_back({longer, {origin, w}});
+            std::push_heap(heap.begin(), heap.end(), std::greater<>());
+        }
+    }
+    return source;
+}
+
+Eigen::VectorXi corner_groups(const Triangles& faces, const CornerValues& values, double tolerance,
+                              const Points& vertices) {
+    check_faces(faces, vertices.rows() > 0 ? vertices.rows() : std::numeric_limits<int>::max(), "faces");
+    check_finite(vertices, "vertices");
+    check_corner_values(values, faces.rows(), "corner values");
+    const Triangles welded = weld(vertices, faces);
+    return group_corners(build_seam_graph(welded, values, tolerance), welded, [](int, int) { return true; });
+}
+
+void CompletionOptions::validate() const {
+    if (iterations < 1) throw InvalidInput("iterations must be at least 1, got " + std::to_string(iterations));
+}
+
+TransferredValues complete_rigid(const Points& rest, const Triangles& faces, const Points& placed, const Mask& known,
+                                 double scale, const CompletionOptions& options, Monitor* monitor) {
+    options.validate();
+    check(rest, faces, placed, known);
+    if (!(scale > 0.0)) throw InvalidInput("scale must be positive, got " + std::to_string(scale));
+    Monitor silent;
+    Monitor& watched = monitor != nullptr ? *monitor : silent;
+    watched.report("complete", 0.0);
+    const Points sized = scale * rest;
+    const Unknowns unknowns(faces, known);
+    TransferredValues result{placed, unknowns.mask()};
+    if (unknowns.count() == 0) return result;
+
+    // A start that is smooth: displacements, so that a shape moved as a whole is met at once.
+    CornerValues moved = placed - sized;
+    Monitor quiet;
+    fill_unknowns(bilaplacian(sized, faces), unknowns, known, moved, quiet);
+    watched.report("complete", 0.3);
+    for (const int v : unknowns.vertex) result.values.row(v) = sized.row(v) + moved.row(v);
+
+    const RigidEnergy energy(sized, faces);
+    Solver solver;
+    factorise(solver, unknowns.block(energy.matrix()));
+    const Eigen::MatrixXd pull = energy.matrix() * known_values(result.values, known);
+    const double size = (sized.colwise().maxCoeff() - sized.colwise().minCoeff()).norm();
+    Eigen::MatrixXd right(unknowns.count(), 3);
+    for (int round = 0; round < options.iterations; ++round) {
+        watched.report("complete", 0.3 + 0.7 * round / options.iterations);
+        const std::vector<Matrix3d> rotation = energy.rotations(result.values);
+        for (Eigen::Index i = 0; i < unknowns.count(); ++i) {
+            const int v = unknowns.vertex[i];
+            right.row(i) = energy.wanted(v, rotation).transpose() - pull.row(v);
+        }
+        const Eigen::MatrixXd solved = solver.solve(right);
+        double farthest = 0.0;
+        for (Eigen::Index i = 0; i < unknowns.count(); ++i) {
+            const int v = unknowns.vertex[i];
+            farthest = std::max(farthest, (solved.row(i) - result.values.row(v)).norm());
+            result.values.row(v) = solved.row(i);
+        }
+        if (farthest <= settled * size) break;
+    }
+    watched.report("complete", 1.0);
+    return result;
+}
+
+}  // namespace isograft

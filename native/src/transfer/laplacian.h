@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+
+#include "isograft/transfer.h"
+
+namespace isograft {
+
+/// #V by #V, positive semidefinite: cotangent weights of the edges, each held between 1/1000 and 1000 so that slivers
+/// and obtuse triangles do no harm. Rows of vertices in no triangle are 0.
+Eigen::SparseMatrix<double> laplacian(const Points& vertices, const Triangles& faces);
+
+/// #V: a third of the area of the triangles around; at least a tiny share of the mean.
+Eigen::VectorXd vertex_areas(const Points& vertices, const Triangles& faces);
+
+/// #V: connected parts under triangles, numbered by their first vertex.
+Eigen::VectorXi parts_of(const Triangles& faces, Eigen::Index vertex_count);
+
+/// The unknowns of a system: vertices that are not known, in triangles, in a part with a known vertex.
+struct Unknowns {
+    Unknowns(const Triangles& faces, const Mask& known);
+
+    /// Vertices, ascending.
+    std::vector<int> vertex;
+    /// #V: place in `vertex`, -1 if none.
+    std::vector<int> slot;
+
+    [[nodiscard]] Eigen::Index count() const { return static_cast<Eigen::Index>(vertex.size()); }
+    /// The rows and columns of the unknowns.
+    [[nodiscard]] Eigen::SparseMatrix<double> block(const Eigen::SparseMatrix<double>& matrix) const;
+    [[nodiscard]] Mask mask() const;
+};
+
+}  // namespace isograft
