@@ -7,6 +7,7 @@ import sys
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
 
+from benchmarks import scaling
 from benchmarks.children import run_child, stop_children
 from benchmarks.options import Options, largest_first, parse_options, requests_of
 from benchmarks.results import Results
@@ -48,5 +49,12 @@ def run(options: Options) -> int:
     return 0
 
 
+def main(arguments: list[str]) -> int:
+    root = Path(__file__).resolve().parent.parent
+    if "--scaling" in arguments:
+        return scaling.main([argument for argument in arguments if argument != "--scaling"], root)
+    return run(parse_options(arguments, root))
+
+
 if __name__ == "__main__":
-    sys.exit(run(parse_options(sys.argv[1:], Path(__file__).resolve().parent.parent)))
+    sys.exit(main(sys.argv[1:]))

@@ -24,13 +24,13 @@ def run_request(request: dict[str, Any]) -> dict[str, Any]:
     row: dict[str, Any] = {"source_vertices": len(case.source[0]), "target_vertices": len(case.target[0])}
     if request["method"] != "isograft" and case.size > request["peer_limit"]:
         return {**row, "status": "skipped"}
-    row["peak_before_mb"] = round(_peak_mb(), 1)
+    row["peak_before_mb"] = round(peak_mb(), 1)
     busy = time.process_time()
     found = find(case, request)
     row["seconds"] = round(found.seconds, 4)
     row["cpu_seconds"] = round((time.process_time() - busy) / request["repeats"], 4)
     # Before the measures, which take memory of their own.
-    row["peak_mb"] = round(_peak_mb(), 1)
+    row["peak_mb"] = round(peak_mb(), 1)
     row.update(found.details)
     if case.truth is None:
         row["measured"] = False
@@ -72,7 +72,7 @@ def save_map(folder: Path, request: dict[str, Any], correspondence: isograft.Cor
     return name
 
 
-def _peak_mb() -> float:
+def peak_mb() -> float:
     """Of this process so far. The kernel's count of this program's own; ru_maxrss can hold the parent's."""
     try:
         for line in Path("/proc/self/status").read_text(encoding="ascii").splitlines():

@@ -2,10 +2,11 @@
 # The interface target isograft_flags: what every translation unit of this project is compiled with.
 #
 # No -march=native and no -ffast-math, and contraction off: the same input gives the same bits on every x86-64 machine.
+# No errno from sqrt and no NaN rescue in complex products: both change no bit of a finite result, and both cost calls.
 # Hidden visibility: newer Blenders load a Ceres of their own, and ours must not be mistaken for it.
 add_library(isograft_flags INTERFACE)
 target_compile_options(isograft_flags INTERFACE
-    -Wall -Wextra -ffp-contract=off -fvisibility=hidden -fvisibility-inlines-hidden)
+    -Wall -Wextra -ffp-contract=off -fno-math-errno -fcx-limited-range -fvisibility=hidden -fvisibility-inlines-hidden)
 
 if(ISOGRAFT_SANITIZE)
     target_compile_options(isograft_flags INTERFACE

@@ -169,8 +169,9 @@ TEST(Match, LeavesUnmatchedWhatTheTargetLacks) {
     expect_well_formed(result.best(), source, target);
     const double radius = spacing(source.mesh(), options);
     int kept = 0, right = 0, gone = 0, made_up = 0;
+    const Points places = bumped().vertices;
     for (Eigen::Index v = 0; v < source.vertices().rows(); ++v) {
-        const Eigen::Vector3d x = bumped().vertices.row(v);
+        const Eigen::Vector3d x = places.row(v);
         const bool matched = result.best().face[v] >= 0;
         if (x.z() < 0.35 - radius) {
             ++kept;

@@ -86,11 +86,12 @@ Blended blend(const Pair& pair, const PatchSettings& settings, const std::vector
         return result;
     }
     std::vector<Contender> contenders(cores.size());
+    Trials trials(pair, settings, 2 * settings.seed.probe_size);
     const double middle = from + 0.6 * (to - from);
     parallel_for(
         static_cast<int>(cores.size()), settings.threads,
         [&](int i, int /*worker*/) {
-            contenders[i].completion = std::make_unique<Completion>(pair, settings, patches, monitor);
+            contenders[i].completion = std::make_unique<Completion>(pair, settings, patches, trials, monitor);
             complete(contenders[i], cores[i], pair, settings);
         },
         monitor, "blend", from, middle);

@@ -19,9 +19,10 @@ constexpr double contradicted = 0.6;
 }  // namespace
 
 Completion::Completion(const Pair& pair, const PatchSettings& settings, const std::vector<Patch>& patches,
-                       Monitor& monitor)
+                       Trials& trials, Monitor& monitor)
     : pair_(pair),
       settings_(settings),
+      trials_(trials),
       monitor_(monitor),
       grower_(pair.source.samples, pair.target, settings.growth),
       anchors_(pair),
@@ -99,7 +100,7 @@ std::vector<Completion::Candidate> Completion::candidates() const {
                 best_shift(pair_.source_descriptor[s], pair_.target_descriptor[t], settings_.feature);
             if (best.distance >= not_comparable) continue;
             const double score = best.distance / pair_.chance + 3.0 * incompatible;
-            here.push_back({score, {s, target.point[t], rotation_of(best.shift), score}});
+            here.push_back({score, {s, t, best.shift}});
         }
         const std::size_t keep = std::min<std::size_t>(2, here.size());
         std::partial_sort(here.begin(), here.begin() + static_cast<std::ptrdiff_t>(keep), here.end(),
@@ -113,26 +114,24 @@ std::vector<Completion::Candidate> Completion::candidates() const {
     return all;
 }
 
-void Completion::try_candidate(const OrientedMatch& match) {
-    Patch patch = probe(pair_, settings_, grower_, match, 2 * settings_.seed.probe_size);
-    PartialMap& m = patch.map;
-    const double misfit = mean_mismatch(pair_, settings_.feature, m);
+void Completion::try_candidate(const TrialSeed& seed) {
+    const Trial& trial = trials_.of(seed, grower_);
+    const int count = static_cast<int>(trial.held.size());
+    if (count < settings_.seed.probe_size / 3 || trial.misfit > 0.6) return;
     double incompatible = 0.0;
     double agree = 0.0;
     int overlap = 0;
-    for (std::size_t s = 0; s < m.mapped.size(); ++s) {
-        if (!m.mapped[s]) continue;
-        incompatible += anchors_.incompatibility(static_cast<int>(s), m.image[s]);
-        if (!map_.mapped[s]) continue;
+    for (const Trial::Held& h : trial.held) {
+        incompatible += anchors_.incompatibility(h.sample, h.image);
+        if (!map_.mapped[h.sample]) continue;
         ++overlap;
-        if ((m.position[s] - map_.position[s]).norm() < settings_.blend.agreement_radius) agree += 1.0;
+        if ((h.position - map_.position[h.sample]).norm() < settings_.blend.agreement_radius) agree += 1.0;
     }
-    incompatible /= std::max(1, m.count);
-    if (m.count < settings_.seed.probe_size / 3 || misfit > 0.6) return;
+    incompatible /= count;
     if (incompatible > patch_strictness * settings_.blend.max_incompatibility) return;
     if (overlap > 3 && agree < settings_.blend.min_agreement * overlap) return;
-    measure_seed_distance(pair_.source.samples, m);
-    patch.weight = std::exp(-2.0 * misfit - 10.0 * incompatible) * (overlap > 3 ? 2.0 : 1.0);
+    Patch patch{to_map(trial, seed, pair_), trial.quality,
+                std::exp(-2.0 * trial.misfit - 10.0 * incompatible) * (overlap > 3 ? 2.0 : 1.0)};
     own_.push_back(std::move(patch));
     patches_.push_back(&own_.back());
     weights_.push_back(own_.back().weight);
@@ -144,7 +143,7 @@ bool Completion::second_pass() {
     revive();
     for (const Candidate& c : candidates()) {
         monitor_.check();
-        try_candidate(c.match);
+        try_candidate(c.seed);
     }
     merge_into(map_, pair_, settings_, patches_, weights_);
     drop_torn_parts(map_, pair_);

@@ -6,6 +6,7 @@
 
 #include "blend/anchors.h"
 #include "blend/core.h"
+#include "blend/trials.h"
 #include "growth/grow.h"
 
 namespace isograft {
@@ -13,8 +14,9 @@ namespace isograft {
 /// Makes one map out of one core and carries it into what is still uncovered. Every step leaves a valid map.
 class Completion {
   public:
-    /// The references must outlive it; `patches` are shared between cores and not changed.
-    Completion(const Pair& pair, const PatchSettings& settings, const std::vector<Patch>& patches, Monitor& monitor);
+    /// The references must outlive it; `patches` and `trials` are shared between cores.
+    Completion(const Pair& pair, const PatchSettings& settings, const std::vector<Patch>& patches, Trials& trials,
+               Monitor& monitor);
 
     /// Merge the core's patches, keep the largest continuous part, run the least squares.
     void start(const Core& core);
@@ -45,17 +47,18 @@ class Completion {
   private:
     struct Candidate {
         double score;
-        OrientedMatch match;
+        TrialSeed seed;
     };
 
     void optimise(int iterations, double trim);
     void revive();
     [[nodiscard]] std::vector<Candidate> candidates() const;
     [[nodiscard]] std::vector<char> covered_target() const;
-    void try_candidate(const OrientedMatch& match);
+    void try_candidate(const TrialSeed& seed);
 
     const Pair& pair_;
     PatchSettings settings_;
+    Trials& trials_;
     Monitor& monitor_;
     Grower grower_;
     Anchors anchors_;

@@ -127,10 +127,10 @@ void unmatch_all(Correspondence& c, Eigen::Index n) {
     c.confidence = Eigen::VectorXd::Zero(n);
 }
 
+// The image's point is one of the fine target already.
 void write_row(Correspondence& c, Eigen::Index row, const VertexImage& image, const Detail& target) {
     SurfacePoint point = image.point;
-    if (!target.coarse.fine_vertex.empty()) point = to_fine(target.coarse, target.fine, image.point);
-    const TriangleMesh& mesh = target.fine;
+    const TriangleMesh& mesh = target.fine();
     const Surface& surface = target.surface;
     const int input = mesh.input_face[point.face];
     if (mesh.input_reversed[point.face]) std::swap(point.weight[1], point.weight[2]);
@@ -154,7 +154,7 @@ void share_welded(Correspondence& c, const Detail& source) {
     const std::vector<int> working = working_vertices(source.surface);
     for (Eigen::Index v = 0; v < c.face.size(); ++v) {
         if (working[v] < 0 || c.face[v] >= 0) continue;
-        const int row = source.fine.input_vertex[working[v]];
+        const int row = source.fine().input_vertex[working[v]];
         if (c.face[row] < 0) continue;
         c.face[v] = c.face[row];
         c.barycentric.row(v) = c.barycentric.row(row);
@@ -213,7 +213,7 @@ Correspondence densify(const PartialMap& map, const Pair& pair, const SampleNote
     std::vector<VertexImage> coarse(coarse_count);
     for_each(coarse_count, from, middle, [&](int v) { coarse[v] = image_of(v, map, pair, notes, options); });
     const bool same = source.coarse.fine_vertex.empty();
-    const int fine_count = source.fine.vertex_count();
+    const int fine_count = source.fine().vertex_count();
     std::vector<VertexImage> images(fine_count);
     for_each(fine_count, middle, to, [&](int v) {
         if (same) {
@@ -221,11 +221,12 @@ Correspondence densify(const PartialMap& map, const Pair& pair, const SampleNote
         } else if (source.coarse.place[v].face >= 0) {
             images[v] = between(source.coarse.place[v], coarse, pair);
         }
+        if (images[v].point.face >= 0) images[v].point = to_fine(target, images[v].point);
     });
     Correspondence result;
     unmatch_all(result, source.surface.vertices().rows());
     for (int v = 0; v < fine_count; ++v) {
-        const int row = source.fine.input_vertex[v];
+        const int row = source.fine().input_vertex[v];
         // A vertex that was split keeps its surer copy.
         if (images[v].point.face < 0 || images[v].region < 0 || images[v].confidence < result.confidence[row]) continue;
         write_row(result, row, images[v], target);

@@ -43,34 +43,90 @@ SparseMatrix stiffness(const TriangleMesh& mesh) {
     return result;
 }
 
+// A fine mesh of this many vertices for one of the coarse one leaves the heat flow to the latter.
+constexpr int many = 3;
+
+// Curvature integrated over every vertex's cell, and the cell's area; nothing on the boundary.
+Eigen::MatrixXd integrated_curvature(const TriangleMesh& mesh) {
+    const int n = mesh.vertex_count();
+    std::vector<Eigen::Vector3d> pull(n, Eigen::Vector3d::Zero());  // 2 H n
+    for (int h = 0; h < 3 * mesh.face_count(); ++h) {
+        const int i = mesh.from(h);
+        const int j = mesh.to(h);
+        const Eigen::Vector3d d = half_cotangent(mesh, h) * (mesh.position[i] - mesh.position[j]);
+        pull[i] += d;
+        pull[j] -= d;
+    }
+    Eigen::MatrixXd result(n, 2);
+    for (int v = 0; v < n; ++v) {
+        const bool inside = mesh.on_boundary[v] == 0;
+        result(v, 0) = inside ? 0.5 * pull[v].dot(mesh.vertex_normal[v]) : 0.0;
+        result(v, 1) = inside ? mesh.vertex_area[v] : 0.0;
+    }
+    return result;
+}
+
+// Every fine vertex's share goes to the corners of the coarse triangle it lies in.
+Eigen::MatrixXd gathered(const Eigen::MatrixXd& fine, const CoarseMesh& coarse) {
+    Eigen::MatrixXd result = Eigen::MatrixXd::Zero(coarse.mesh.vertex_count(), fine.cols());
+    for (Eigen::Index v = 0; v < fine.rows(); ++v) {
+        const SurfacePoint& place = coarse.place[static_cast<std::size_t>(v)];
+        if (place.face < 0) continue;
+        for (int k = 0; k < 3; ++k) result.row(coarse.mesh.face[place.face][k]) += place.weight[k] * fine.row(v);
+    }
+    return result;
+}
+
+/// Heat flow over a mesh: one symbolic factorisation for all times.
+class HeatFlow {
+  public:
+    explicit HeatFlow(const TriangleMesh& mesh) : mesh_(mesh), laplacian_(stiffness(mesh)) {
+        solver_.analyzePattern(laplacian_);
+    }
+
+    std::vector<double> spread(const Eigen::MatrixXd& sources, double time) {
+        const int n = mesh_.vertex_count();
+        // Three implicit steps are near enough to the heat kernel and stable for any step length.
+        constexpr int steps = 3;
+        SparseMatrix system = (time / steps) * laplacian_;
+        for (int v = 0; v < n; ++v) system.coeffRef(v, v) += mesh_.vertex_area[v] + 1e-300;
+        solver_.factorize(system);
+        Eigen::MatrixXd smooth = solver_.solve(sources);
+        for (int i = 1; i < steps; ++i) {
+            for (int v = 0; v < n; ++v) smooth.row(v) *= mesh_.vertex_area[v];
+            smooth = solver_.solve(smooth);
+        }
+        std::vector<double> result(n, 0.0);
+        for (int v = 0; v < n; ++v) {
+            const double h = smooth(v, 0) / std::max(smooth(v, 1), 1e-3);
+            result[v] = std::isfinite(h) ? h : 0.0;
+        }
+        return result;
+    }
+
+  private:
+    const TriangleMesh& mesh_;
+    SparseMatrix laplacian_;
+    Eigen::SimplicialLDLT<SparseMatrix> solver_;
+};
+
 }  // namespace
 
 std::vector<double> mean_curvature(const TriangleMesh& mesh, double time) {
-    const int n = mesh.vertex_count();
-    const SparseMatrix laplacian = stiffness(mesh);
-    Eigen::MatrixXd x(n, 3);
-    for (int v = 0; v < n; ++v) x.row(v) = mesh.position[v].transpose();
-    const Eigen::MatrixXd pull = laplacian * x;  // integrated 2 H n
-    Eigen::MatrixXd sources(n, 2);
-    for (int v = 0; v < n; ++v) {
-        const bool inside = mesh.on_boundary[v] == 0;
-        sources(v, 0) = inside ? 0.5 * pull.row(v).dot(mesh.vertex_normal[v].transpose()) : 0.0;
-        sources(v, 1) = inside ? mesh.vertex_area[v] : 0.0;
-    }
-    // Three implicit steps are near enough to the heat kernel and stable for any step length.
-    constexpr int steps = 3;
-    SparseMatrix system = (time / steps) * laplacian;
-    for (int v = 0; v < n; ++v) system.coeffRef(v, v) += mesh.vertex_area[v] + 1e-300;
-    const Eigen::SimplicialLDLT<SparseMatrix> solver(system);
-    Eigen::MatrixXd smooth = solver.solve(sources);
-    for (int i = 1; i < steps; ++i) {
-        for (int v = 0; v < n; ++v) smooth.row(v) *= mesh.vertex_area[v];
-        smooth = solver.solve(smooth);
-    }
-    std::vector<double> result(n, 0.0);
-    for (int v = 0; v < n; ++v) {
-        const double h = smooth(v, 0) / std::max(smooth(v, 1), 1e-3);
-        result[v] = std::isfinite(h) ? h : 0.0;
+    return HeatFlow(mesh).spread(integrated_curvature(mesh), time);
+}
+
+std::vector<std::vector<double>> coarse_curvatures(const TriangleMesh& fine, const CoarseMesh& coarse,
+                                                   const std::vector<double>& times) {
+    std::vector<std::vector<double>> result;
+    const Eigen::MatrixXd sources = integrated_curvature(fine);
+    if (!coarse.fine_vertex.empty() && fine.vertex_count() >= many * coarse.mesh.vertex_count()) {
+        HeatFlow flow(coarse.mesh);
+        const Eigen::MatrixXd gathered_sources = gathered(sources, coarse);
+        for (const double time : times) result.push_back(flow.spread(gathered_sources, time));
+    } else {
+        HeatFlow flow(fine);
+        for (const double time : times) result.push_back(at_coarse(coarse, flow.spread(sources, time)));
     }
     return result;
 }

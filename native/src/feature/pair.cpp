@@ -13,13 +13,7 @@ double curvature_time(const FeatureOptions& options) {
     return std::max(0.5, static_cast<double>(options.smoothing)) * edge * edge / 4.0;
 }
 
-void describe(Pair& pair, const FeatureOptions& options, std::uint64_t seed, int threads, Monitor& monitor, double from,
-              double to) {
-    const double middle = 0.5 * (from + to);
-    pair.source_descriptor = window_descriptors(pair.source.mesh, pair.source.samples.point, pair.source_curvature, 1.0,
-                                                options, threads, monitor, from, middle);
-    pair.target_descriptor = window_descriptors(pair.target.mesh, pair.target.samples.point, pair.target_curvature, 1.0,
-                                                options, threads, monitor, middle, to);
+double chance_distance(const Pair& pair, const FeatureOptions& options, std::uint64_t seed) {
     Random random(seed);
     std::vector<double> distances;
     for (int i = 0; i < 600; ++i) {
@@ -29,7 +23,7 @@ void describe(Pair& pair, const FeatureOptions& options, std::uint64_t seed, int
         if (d < 0.5 * not_comparable) distances.push_back(d);
     }
     std::sort(distances.begin(), distances.end());
-    pair.chance = distances.empty() ? 1.0 : std::max(1e-9, distances[distances.size() / 2]);
+    return distances.empty() ? 1.0 : std::max(1e-9, distances[distances.size() / 2]);
 }
 
 double mismatch(const Pair& pair, const FeatureOptions& options, int sample, const SurfacePoint& point,

@@ -26,10 +26,8 @@ struct Pair {
 double curvature_time(const FeatureOptions& options);
 constexpr double detail_time = 1.5e-4;
 
-/// Descriptors of both surfaces, and what chance gives.
-/// \param pair meshes, samples and curvatures are filled in; the rest is computed.
-void describe(Pair& pair, const FeatureOptions& options, std::uint64_t seed, int threads, Monitor& monitor, double from,
-              double to);
+/// Pair::chance, from random samples. \param pair descriptors are filled in.
+double chance_distance(const Pair& pair, const FeatureOptions& options, std::uint64_t seed);
 
 /// How badly the source's sample fits a point of the target under a rotation: descriptor distance to the target's
 /// nearest sample over that of chance, capped at 3; 2 where the target has no sample.

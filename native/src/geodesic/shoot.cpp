@@ -19,12 +19,12 @@ std::optional<Shot> shoot(const TriangleMesh& mesh, const SurfacePoint& from, co
         if (!t.complete && missed > 0.5 * length) return std::nullopt;
         const Complex seen = flatten(mesh, t.end.face, miss);
         // A miss seen at a slant is longer than its tangent part.
-        const double slant = missed > 1e-12 * length ? std::min(1.5, missed / std::max(1e-300, std::abs(seen))) : 1.0;
+        const double slant = missed > 1e-12 * length ? std::min(1.5, missed / std::max(1e-300, modulus(seen))) : 1.0;
         const double ahead = t.length + slant * dot(t.direction, seen);
         const double aside = slant * cross(t.direction, seen);
         if (ahead <= 0.2 * length) return std::nullopt;
-        const double corrected = std::hypot(ahead, aside);
-        const Complex turn = std::polar(1.0, std::atan2(aside, ahead));
+        const double corrected = modulus({ahead, aside});
+        const Complex turn = Complex(ahead, aside) * (1.0 / corrected);
         direction *= turn;
         if (missed < best_miss) {
             best_miss = missed;

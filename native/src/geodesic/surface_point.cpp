@@ -7,7 +7,7 @@ namespace isograft {
 
 Complex carry(const TriangleMesh& mesh, int from_face, int to_face, Complex d) {
     if (from_face == to_face) return d;
-    return unit(flatten(mesh, to_face, lift(mesh, from_face, d))) * std::abs(d);
+    return unit(flatten(mesh, to_face, lift(mesh, from_face, d))) * modulus(d);
 }
 
 SurfacePoint point_at(const TriangleMesh& mesh, int face, Complex q) {

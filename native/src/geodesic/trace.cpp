@@ -6,12 +6,32 @@
 
 namespace isograft {
 
+namespace {
+// Below it a path is parallel to an edge, or enters through it.
+constexpr double least_slope = 1e-14;
+}  // namespace
+
 Walker::Walker(const TriangleMesh& mesh, const SurfacePoint& start, Complex direction)
     : mesh_(&mesh), face_(start.face), entry_(planar(mesh, start)), direction_(unit(direction)) {
     find_exit();
 }
 
 void Walker::find_exit() {
+    const auto& corner = mesh_->corner[face_];
+    if (entered_ >= 0) {
+        // The side on which the far corner is passed says which of the two other edges is crossed.
+        const int k = entered_ - 3 * face_;
+        const int far = k == 0 ? 2 : k - 1;
+        const int after = k == 2 ? 0 : k + 1;
+        const int start = cross(direction_, corner[far] - entry_) > 0.0 ? after : far;
+        const Complex edge = mesh_->direction[3 * face_ + start];
+        const double slope = cross(direction_, edge);
+        if (slope > least_slope) {
+            exit_ = 3 * face_ + start;
+            inside_ = std::max(cross(corner[start] - entry_, edge) / slope, 0.0);
+            return;
+        }
+    }
     double nearest = std::numeric_limits<double>::max();
     exit_ = -1;
     for (int k = 0; k < 3; ++k) {
@@ -19,8 +39,8 @@ void Walker::find_exit() {
         if (h == entered_) continue;
         const Complex edge = mesh_->direction[h];
         const double slope = cross(direction_, edge);
-        if (slope <= 1e-14) continue;  // parallel to the edge, or entering through it
-        const double t = cross(mesh_->corner[face_][k] - entry_, edge) / slope;
+        if (slope <= least_slope) continue;
+        const double t = cross(corner[k] - entry_, edge) / slope;
         if (t < nearest) {
             nearest = t;
             exit_ = h;
@@ -36,7 +56,7 @@ bool Walker::advance() {
     const Complex crossing = at(inside_) - mesh_->corner[face_][exit_ % 3];
     const double along = std::clamp(dot(crossing, mesh_->direction[exit_]), 0.0, mesh_->length[exit_]);
     travelled_ += inside_;
-    direction_ = unit(direction_ * mesh_->rotation[exit_]);
+    direction_ = unit_again(direction_ * mesh_->rotation[exit_]);
     face_ = twin / 3;
     entered_ = twin;
     entry_ = mesh_->corner[face_][twin % 3] + (mesh_->length[twin] - along) * mesh_->direction[twin];

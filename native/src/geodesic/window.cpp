@@ -20,39 +20,43 @@ Complex virtual_source(double edge, double from_distance, double to_distance) {
     return {x, y2 > 0.0 ? -std::sqrt(y2) : 0.0};
 }
 
+// How a path reaches a point beyond an edge that is laid along the real axis.
 struct Unfolded {
     double distance = 0.0;
-    double angle = 0.0;
     /// The straight path crosses the edge; otherwise it runs over one of its ends.
     bool straight = false;
     bool over_from = false;
     Complex source;
 };
 
-Unfolded unfold(double edge, Complex far, double from_distance, double to_distance, double from_angle,
-                double to_angle) {
+Unfolded unfold(double edge, Complex far, double from_distance, double to_distance) {
     Unfolded result;
     const Complex source = virtual_source(edge, from_distance, to_distance);
-    const Complex end(edge, 0.0);
     result.source = source;
     const double drop = far.imag() - source.imag();
     const double crossing =
         drop > 1e-12 * edge ? source.real() - (far.real() - source.real()) * source.imag() / drop : source.real();
     if (crossing >= 0.0 && crossing <= edge && source.imag() < 0.0) {
-        const double whole = std::atan2(cross(-source, end - source), dot(-source, end - source));
-        const double part = std::atan2(cross(-source, far - source), dot(-source, far - source));
-        const double share = std::abs(whole) > 1e-9 ? part / whole : 0.5;
-        result.distance = std::abs(far - source);
-        result.angle = from_angle + share * wrap_angle(to_angle - from_angle);
+        result.distance = modulus(far - source);
         result.straight = true;
         return result;
     }
-    const double over_from = from_distance + std::abs(far);
-    const double over_to = to_distance + std::abs(far - end);
+    const double over_from = from_distance + modulus(far);
+    const double over_to = to_distance + modulus(far - Complex(edge, 0.0));
     result.over_from = over_from <= over_to;
     result.distance = result.over_from ? over_from : over_to;
-    result.angle = result.over_from ? from_angle : to_angle;
     return result;
+}
+
+double unfolded_angle(const Unfolded& u, double edge, Complex far, double from_angle, double to_angle) {
+    if (!u.straight) return u.over_from ? from_angle : to_angle;
+    const Complex from = -u.source;
+    const Complex to = Complex(edge, 0.0) - u.source;
+    const Complex there = far - u.source;
+    const double whole = std::atan2(cross(from, to), dot(from, to));
+    const double part = std::atan2(cross(from, there), dot(from, there));
+    const double share = std::abs(whole) > 1e-9 ? part / whole : 0.5;
+    return from_angle + share * wrap_angle(to_angle - from_angle);
 }
 
 // A vertex of a good mesh is corrected twice or so, one beside slivers a hundred times.
@@ -68,12 +72,14 @@ Window::Window(const TriangleMesh& mesh)
       offers_(mesh.vertex_count(), 0),
       stamp_(mesh.vertex_count(), 0) {}
 
-void Window::offer(int vertex, double distance, double angle, bool bent) {
-    const bool known = has(vertex);
+bool Window::improves(int vertex, double distance) const {
     // A gain beyond rounding counts: were it larger, the order of the triangles would decide between near ties. Round
     // slivers gains can chase each other downward without end, so a vertex is corrected only so often.
-    if (known && (distance >= distance_[vertex] * (1.0 - 1e-13) || offers_[vertex] >= most_offers)) return;
-    if (!known) {
+    return !has(vertex) || (distance < distance_[vertex] * (1.0 - 1e-13) && offers_[vertex] < most_offers);
+}
+
+void Window::settle(int vertex, double distance, double angle, bool bent) {
+    if (!has(vertex)) {
         reached_.push_back(vertex);
         offers_[vertex] = 0;
     }
@@ -93,7 +99,9 @@ void Window::relax_across(int face, int corner_from, int corner_to, int corner_f
     const int h = 3 * face + corner_from;
     const auto& corner = mesh_->corner[face];
     const Complex far = (corner[corner_far] - corner[corner_from]) * std::conj(mesh_->direction[h]);
-    const Unfolded u = unfold(mesh_->length[h], far, distance_[from], distance_[to], angle_[from], angle_[to]);
+    const Unfolded u = unfold(mesh_->length[h], far, distance_[from], distance_[to]);
+    // Most offers are no better than what is known: their angle is not asked for.
+    if (!improves(vertices[corner_far], u.distance)) return;
     bool bent = false;
     if (u.straight) {
         bent = bent_[from] != 0 && bent_[to] != 0;
@@ -101,7 +109,7 @@ void Window::relax_across(int face, int corner_from, int corner_to, int corner_f
         const int over = u.over_from ? from : to;
         bent = bent_[over] != 0 || mesh_->on_boundary[over] != 0;
     }
-    offer(vertices[corner_far], u.distance, u.angle, bent);
+    settle(vertices[corner_far], u.distance, unfolded_angle(u, mesh_->length[h], far, angle_[from], angle_[to]), bent);
 }
 
 void Window::relax_from(int vertex) {
@@ -127,7 +135,7 @@ void Window::run(const SurfacePoint& centre, double radius) {
     centre_planar_ = planar(*mesh_, centre);
     for (int k = 0; k < 3; ++k) {
         const Complex d = mesh_->corner[centre.face][k] - centre_planar_;
-        offer(mesh_->face[centre.face][k], std::abs(d), std::arg(d), false);
+        settle(mesh_->face[centre.face][k], modulus(d), std::arg(d), false);
     }
     while (!heap_.empty()) {
         const auto [distance, vertex] = heap_.front();
@@ -143,28 +151,33 @@ std::optional<Polar> Window::query(const SurfacePoint& point) const {
     const Complex x = planar(*mesh_, point);
     if (point.face == centre_.face) {
         const Complex d = x - centre_planar_;
-        return Polar{std::abs(d), std::arg(d), -unit(d)};
+        return Polar{modulus(d), std::arg(d), -unit(d)};
     }
     const auto& vertices = mesh_->face[point.face];
     const auto& corner = mesh_->corner[point.face];
-    std::optional<Polar> best;
+    std::optional<Unfolded> best;
+    Complex best_far;
+    int best_corner = -1;
     for (int k = 0; k < 3; ++k) {
         const int from = vertices[k];
         const int to = vertices[(k + 1) % 3];
         if (!has(from) || !has(to)) continue;
         const int h = 3 * point.face + k;
         const Complex far = (x - corner[k]) * std::conj(mesh_->direction[h]);
-        const Unfolded u = unfold(mesh_->length[h], far, distance_[from], distance_[to], angle_[from], angle_[to]);
+        const Unfolded u = unfold(mesh_->length[h], far, distance_[from], distance_[to]);
         if (best && u.distance >= best->distance) continue;
-        Complex back;
-        if (u.straight) {
-            back = (u.source - far) * mesh_->direction[h];
-        } else {
-            back = (u.over_from ? corner[k] : corner[(k + 1) % 3]) - x;
-        }
-        best = Polar{u.distance, wrap_angle(u.angle), unit(back)};
+        best = u;
+        best_far = far;
+        best_corner = k;
     }
-    return best;
+    if (!best) return std::nullopt;
+    const int next = (best_corner + 1) % 3;
+    const int h = 3 * point.face + best_corner;
+    const double angle =
+        unfolded_angle(*best, mesh_->length[h], best_far, angle_[vertices[best_corner]], angle_[vertices[next]]);
+    const Complex back = best->straight ? (best->source - best_far) * mesh_->direction[h]
+                                        : (best->over_from ? corner[best_corner] : corner[next]) - x;
+    return Polar{best->distance, wrap_angle(angle), unit(back)};
 }
 
 Eigen::VectorXd geodesic_distances(const Surface& surface, int face, const Eigen::Vector3d& barycentric,

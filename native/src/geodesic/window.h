@@ -45,7 +45,8 @@ class Window {
     [[nodiscard]] std::optional<Polar> query(const SurfacePoint& point) const;
 
   private:
-    void offer(int vertex, double distance, double angle, bool bent);
+    [[nodiscard]] bool improves(int vertex, double distance) const;
+    void settle(int vertex, double distance, double angle, bool bent);
     void relax_from(int vertex);
     void relax_across(int face, int corner_from, int corner_to, int corner_far);
 

@@ -114,7 +114,7 @@ bool Grower::predict(const PartialMap& map, int sample, Prediction& prediction) 
     }
     const Carried& start = *from_[nearest];
     const Complex step = flatten(target_, start.end.face, mean - start.position);
-    prediction.point = std::abs(step) > 1e-12 ? trace(target_, start.end, step, std::abs(step)).end : start.end;
+    prediction.point = modulus(step) > 1e-12 ? trace(target_, start.end, step, modulus(step)).end : start.end;
     const Eigen::Vector3d point = position(target_, prediction.point);
     Complex turn(0.0, 0.0);
     double worst = 0.0;
@@ -125,13 +125,13 @@ bool Grower::predict(const PartialMap& map, int sample, Prediction& prediction) 
         const double length = from_edge_[i]->length;
         turn += -unit(arrived) * std::conj(from_source_[i]) / length;
         const Complex miss = flatten(target_, prediction.point.face, point - c.position);
-        const double reached = std::hypot(length + dot(arrived, miss), cross(arrived, miss));
+        const double reached = modulus({length + dot(arrived, miss), cross(arrived, miss)});
         const double stretch = std::abs(reached - length);
         worst = std::max(worst, stretch);
         sum += stretch;
     }
     prediction.rotation = unit(turn);
-    prediction.concord = std::abs(turn) / total;
+    prediction.concord = modulus(turn) / total;
     prediction.stretch = 0.5 * worst + 0.5 * sum / n;
     return true;
 }

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include <ceres/ceres.h>
 #include <Eigen/Cholesky>
 
 #include "geodesic/shoot.h"
+#include "growth/normal_equations.h"
 
 namespace isograft {
 
@@ -20,7 +20,7 @@ struct ActiveEdge {
 };
 
 /// The state of the least squares: where each unknown is now, and the geodesic of every edge there.
-class State : public ceres::EvaluationCallback {
+class State {
   public:
     State(const Samples& source, const TriangleMesh& target, const PartialMap& map) : source_(source), target_(target) {
         index_.assign(source.count(), -1);
@@ -40,11 +40,11 @@ class State : public ceres::EvaluationCallback {
         find_edges(map);
     }
 
-    void PrepareForEvaluation(bool /*evaluate_jacobians*/, bool new_evaluation_point) override {
-        if (!new_evaluation_point || x == evaluated_) return;
+    /// Bring points and geodesics to the unknowns `x`.
+    void evaluate() {
+        if (x == evaluated_) return;
         evaluated_ = x;
         std::vector<Complex> before = turn_;
-        const std::vector<SurfacePoint> was = now_;
         for (std::size_t i = 0; i < sample.size(); ++i) move(i);
         for (ActiveEdge& a : edges) {
             // The last direction, carried along with the start point, is nearly right.
@@ -76,7 +76,7 @@ class State : public ceres::EvaluationCallback {
 
     void cap_steps(double longest) {
         for (std::size_t i = 0; i < sample.size(); ++i) {
-            const double length = std::hypot(x[2 * i], x[2 * i + 1]);
+            const double length = modulus({x[2 * i], x[2 * i + 1]});
             if (length <= longest) continue;
             x[2 * i] *= longest / length;
             x[2 * i + 1] *= longest / length;
@@ -111,7 +111,7 @@ class State : public ceres::EvaluationCallback {
 
     void move(std::size_t i) {
         const Complex step(x[2 * i], x[2 * i + 1]);
-        const double length = std::abs(step);
+        const double length = modulus(step);
         if (length < 1e-12 * source_.spacing) {
             now_[i] = base_[i];
             turn_[i] = Complex(1.0, 0.0);
@@ -130,83 +130,81 @@ class State : public ceres::EvaluationCallback {
     std::vector<double> evaluated_;
 };
 
-/// Relative stretch of one edge; State has it ready.
-class EdgeCost : public ceres::SizedCostFunction<1, 2, 2> {
-  public:
-    EdgeCost(const State& state, std::size_t edge) : state_(state), edge_(edge) {}
+// Up to a constant; see SampleTerm.
+double term_cost(const SampleTerm& t, double x, double y) {
+    return t.gx * x + t.gy * y + 0.5 * (t.hxx * x * x + 2.0 * t.hxy * x * y + t.hyy * y * y);
+}
 
-    bool Evaluate(double const* const* /*parameters*/, double* residuals, double** jacobians) const override {
-        const ActiveEdge& a = state_.edges[edge_];
-        const double scale = 1.0 / a.edge->length;
-        residuals[0] = (a.shot.length - a.edge->length) * scale;
-        if (jacobians == nullptr) return true;
-        const Complex derivative[2] = {state_.by_u(a), state_.by_v(a)};
-        for (int k = 0; k < 2; ++k) {
-            if (jacobians[k] == nullptr) continue;
-            jacobians[k][0] = derivative[k].real() * scale;
-            jacobians[k][1] = derivative[k].imag() * scale;
-        }
-        return true;
-    }
+double relative_stretch(const ActiveEdge& a) { return (a.shot.length - a.edge->length) / a.edge->length; }
 
-  private:
-    const State& state_;
-    std::size_t edge_;
-};
+// Huber's loss of a squared residual, weighted with the length: weight 1 / d on the stretch is d on the relative one.
+double edge_cost(const ActiveEdge& a, double huber) {
+    const double r = std::abs(relative_stretch(a));
+    return 0.5 * a.edge->length * (r <= huber ? r * r : huber * (2.0 * r - huber));
+}
 
-/// A quadratic model as two residuals: |L^T x + L^-1 g|^2 / 2 with H = L L^T.
-class TermCost : public ceres::SizedCostFunction<2, 2> {
-  public:
-    TermCost(const SampleTerm& term, double weight) {
-        Eigen::Matrix2d h;
-        h << term.hxx, term.hxy, term.hxy, term.hyy;
-        const Eigen::LLT<Eigen::Matrix2d> llt(h * weight);
-        factor_ = llt.matrixL();
-        offset_ = llt.matrixL().solve(Eigen::Vector2d(term.gx, term.gy) * weight);
-    }
-    bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
-        const Eigen::Vector2d x(parameters[0][0], parameters[0][1]);
-        const Eigen::Vector2d r = factor_.transpose() * x + offset_;
-        residuals[0] = r[0];
-        residuals[1] = r[1];
-        if (jacobians != nullptr && jacobians[0] != nullptr) {
-            Eigen::Map<Eigen::Matrix<double, 2, 2, Eigen::RowMajor>> jacobian(jacobians[0]);
-            jacobian = factor_.transpose();
-        }
-        return true;
-    }
+double total_cost(const State& state, double huber, const std::vector<SampleTerm>& terms, double term_weight) {
+    double cost = 0.0;
+    for (const ActiveEdge& a : state.edges) cost += edge_cost(a, huber);
+    for (std::size_t i = 0; i < terms.size(); ++i)
+        cost += term_weight * term_cost(terms[i], state.x[2 * i], state.x[2 * i + 1]);
+    return cost;
+}
 
-  private:
-    Eigen::Matrix2d factor_;
-    Eigen::Vector2d offset_;
-};
-
-void solve(State& state, const GrowthOptions& options, const std::vector<SampleTerm>& terms, double term_weight,
-           int iterations) {
-    ceres::HuberLoss huber(options.huber);
-    ceres::Problem::Options problem_options;
-    problem_options.evaluation_callback = &state;
-    problem_options.disable_all_safety_checks = true;
-    ceres::Problem problem(problem_options);
+void linearise(const State& state, double huber, const std::vector<SampleTerm>& terms, double term_weight,
+               NormalEquations& system) {
+    system.clear();
     for (std::size_t i = 0; i < state.edges.size(); ++i) {
         const ActiveEdge& a = state.edges[i];
-        // Weight 1 / d on the stretch is weight d on the relative one.
-        auto* loss = new ceres::ScaledLoss(&huber, a.edge->length, ceres::DO_NOT_TAKE_OWNERSHIP);
-        problem.AddResidualBlock(new EdgeCost(state, i), loss, &state.x[2 * a.u], &state.x[2 * a.v]);
+        const double r = relative_stretch(a);
+        const double share = std::abs(r) <= huber ? 1.0 : huber / std::abs(r);
+        const double scale = 1.0 / a.edge->length;
+        system.add_pair(static_cast<int>(i), a.edge->length * share, r, state.by_u(a) * scale, state.by_v(a) * scale);
     }
     for (std::size_t i = 0; i < terms.size(); ++i) {
-        if (terms[i].hxx > 0.0) problem.AddResidualBlock(new TermCost(terms[i], term_weight), nullptr, &state.x[2 * i]);
+        const SampleTerm& t = terms[i];
+        Eigen::Matrix2d h;
+        h << t.hxx, t.hxy, t.hxy, t.hyy;
+        const Eigen::Vector2d x(state.x[2 * i], state.x[2 * i + 1]);
+        const Eigen::Vector2d g = h * x + Eigen::Vector2d(t.gx, t.gy);
+        system.add_point(static_cast<int>(i), term_weight * g, term_weight * h);
     }
-    ceres::Solver::Options solver;
-    solver.max_num_iterations = iterations;
-    solver.num_threads = 1;
-    solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-    solver.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
-    solver.logging_type = ceres::SILENT;
-    solver.initial_trust_region_radius = 1e3;
-    solver.function_tolerance = 1e-4;
-    ceres::Solver::Summary summary;
-    ceres::Solve(solver, &problem, &summary);
+}
+
+// Levenberg and Marquardt's method as Ceres has it: the same damping, the same tests of a step.
+void solve(State& state, const GrowthOptions& options, const std::vector<SampleTerm>& terms, double term_weight,
+           int iterations) {
+    constexpr double function_tolerance = 1e-4, least_decrease = 1e-3, linear_tolerance = 1e-4;
+    double radius = 1e3, shrink = 2.0;
+    std::vector<std::array<int, 2>> pairs;
+    for (const ActiveEdge& a : state.edges) pairs.push_back({a.u, a.v});
+    NormalEquations system(static_cast<int>(state.sample.size()), pairs);
+    double cost = total_cost(state, options.huber, terms, term_weight);
+    linearise(state, options.huber, terms, term_weight, system);
+    for (int i = 0; i < iterations; ++i) {
+        const std::vector<double> before = state.x;
+        const Eigen::VectorXd step = system.solve(radius, linear_tolerance);
+        const double predicted = system.predicted_fall(step);
+        double fall = 0.0;
+        if (predicted > 0.0) {
+            for (std::size_t k = 0; k < before.size(); ++k) state.x[k] += step[static_cast<Eigen::Index>(k)];
+            state.evaluate();
+            fall = cost - total_cost(state, options.huber, terms, term_weight);
+        }
+        const bool settled = predicted > 0.0 && std::abs(fall) <= function_tolerance * cost;
+        if (!settled && predicted > 0.0 && fall > least_decrease * predicted) {
+            radius /= std::max(1.0 / 3.0, 1.0 - std::pow(2.0 * fall / predicted - 1.0, 3));
+            shrink = 2.0;
+            cost -= fall;
+            if (i + 1 < iterations) linearise(state, options.huber, terms, term_weight, system);
+            continue;
+        }
+        state.x = before;
+        if (settled) break;
+        radius /= shrink;
+        shrink *= 2.0;
+    }
+    state.evaluate();
 }
 
 // Mean relative stretch per unknown over level-0 edges; a broken edge counts as stretched by 100 %.
@@ -248,7 +246,7 @@ std::vector<Complex> mean_rotations(const State& state) {
         turn[a.v] += w * -a.shot.arrival * std::conj(a.edge->at_v);
     }
     for (std::size_t i = 0; i < turn.size(); ++i) {
-        turn[i] = std::abs(turn[i]) > 1e-12 ? unit(turn[i]) : state.rotation(i);
+        turn[i] = modulus(turn[i]) > 1e-12 ? unit(turn[i]) : state.rotation(i);
     }
     return turn;
 }
@@ -275,7 +273,7 @@ std::vector<double> relax(const Samples& source, const TriangleMesh& target, con
         }
         solve(state, options, terms, settings.term_weight, with_term ? 1 : settings.iterations);
         state.cap_steps(options.max_step * source.spacing);
-        state.PrepareForEvaluation(false, true);
+        state.evaluate();
         state.settle();
     }
     write_back();

@@ -26,7 +26,7 @@ struct RelaxSettings {
 };
 
 /// Nonlinear least squares of d_T - d_S over the hierarchy's edges inside U (paper section 4.4, eq. 6): two tangent
-/// unknowns a sample, weights 1 / d_S, Huber loss on the relative stretch, Levenberg-Marquardt (Ceres, one thread).
+/// unknowns a sample, weights 1 / d_S, Huber loss on the relative stretch, Levenberg-Marquardt.
 ///
 /// d_T comes from shooting along the source's path, its derivative is minus the unit departure direction (first
 /// variation of arc length). Afterwards every rotation is the mean turn of its edges.

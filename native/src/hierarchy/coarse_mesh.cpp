@@ -240,9 +240,11 @@ CoarseMesh coarsen(const TriangleMesh& fine, double edge, Monitor& monitor) {
     return coarse;
 }
 
-SurfacePoint to_fine(const CoarseMesh& coarse, const TriangleMesh& fine, const SurfacePoint& point) {
+SurfacePoint to_fine(const Detail& detail, const SurfacePoint& point) {
+    const CoarseMesh& coarse = detail.coarse;
+    const TriangleMesh& fine = detail.fine();
     if (coarse.fine_vertex.empty()) return point;
-    const Eigen::Vector3d x = position(coarse.mesh, point);
+    const Eigen::Vector3d x = position(coarse.mesh, point) / detail.factor;
     int start = -1;
     double nearest = std::numeric_limits<double>::max();
     for (const int corner : coarse.mesh.face[point.face]) {

@@ -22,11 +22,16 @@ struct CoarseMesh {
     std::vector<std::vector<int>> members;
 };
 
-/// A surface, its mesh in the pair's unit, and the coarse mesh its half of the pair works on.
+/// A surface, and the coarse mesh its half of the pair works on.
 struct Detail {
     Surface surface;
-    TriangleMesh fine;
+    /// Pair's units per unit of the surface.
+    double factor = 1.0;
+    /// In the pair's unit.
     CoarseMesh coarse;
+
+    /// In the surface's own unit: a scaled copy of a million vertices would serve nothing but their places.
+    [[nodiscard]] const TriangleMesh& fine() const { return surface.mesh(); }
 };
 
 /// Collapse short edges until about `edge` long ones are left; nothing is done to a mesh within a third of that.
@@ -36,7 +41,7 @@ struct Detail {
 CoarseMesh coarsen(const TriangleMesh& fine, double edge, Monitor& monitor);
 
 /// The point of the fine mesh at a point of the coarse one.
-SurfacePoint to_fine(const CoarseMesh& coarse, const TriangleMesh& fine, const SurfacePoint& point);
+SurfacePoint to_fine(const Detail& detail, const SurfacePoint& point);
 
 /// Values of fine vertices at the coarse ones.
 std::vector<double> at_coarse(const CoarseMesh& coarse, const std::vector<double>& fine_values);

@@ -255,13 +255,18 @@ void find_witnesses(const TriangleMesh& mesh, Samples& samples) {
 
 }  // namespace
 
-Samples make_samples(const TriangleMesh& mesh, double spacing, const HierarchyOptions& options, std::uint64_t seed,
-                     int threads, Monitor& monitor, double from, double to, const std::vector<SurfacePoint>& fixed) {
+Samples spread_samples(const TriangleMesh& mesh, double spacing, const HierarchyOptions& options, std::uint64_t seed,
+                       Monitor& monitor, const std::vector<SurfacePoint>& fixed) {
     Samples samples;
     samples.spacing = spacing;
     Random random(seed);
     pick_samples(mesh, fixed, samples, random, monitor);
     number_levels(mesh, samples, options.levels, monitor);
+    return samples;
+}
+
+void join_samples(const TriangleMesh& mesh, Samples& samples, const HierarchyOptions& options, int threads,
+                  Monitor& monitor, double from, double to) {
     const EdgeMaker maker(mesh, samples, options);
     std::vector<Neighbourhood> around(samples.count());
     const int workers = worker_count(threads);
@@ -273,6 +278,12 @@ Samples make_samples(const TriangleMesh& mesh, double spacing, const HierarchyOp
         from, to);
     collect(mesh, samples, around);
     find_witnesses(mesh, samples);
+}
+
+Samples make_samples(const TriangleMesh& mesh, double spacing, const HierarchyOptions& options, std::uint64_t seed,
+                     int threads, Monitor& monitor, double from, double to, const std::vector<SurfacePoint>& fixed) {
+    Samples samples = spread_samples(mesh, spacing, options, seed, monitor, fixed);
+    join_samples(mesh, samples, options, threads, monitor, from, to);
     return samples;
 }
 

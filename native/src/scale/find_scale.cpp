@@ -117,10 +117,11 @@ ScaleVotes vote_scale(const TriangleMesh& source, const TriangleMesh& target, co
     const double target_side = std::sqrt(target.area);
     const TriangleMesh s = scaled(source, 1.0 / source_side);
     const TriangleMesh t = scaled(target, 1.0 / target_side);
-    const auto s_curvature = mean_curvature(s, smoothing_time);
-    monitor.check();
-    const auto t_curvature = mean_curvature(t, smoothing_time);
-    monitor.check();
+    std::array<std::vector<double>, 2> curvature;
+    parallel_for(
+        2, threads, [&](int i, int /*worker*/) { curvature[i] = mean_curvature(i == 0 ? s : t, smoothing_time); },
+        monitor, "scale", from, from);
+    const auto& [s_curvature, t_curvature] = curvature;
     Random random(seed);
     const auto s_points = scatter(s, options.votes, random);
     const auto t_points = scatter(t, target_points, random);

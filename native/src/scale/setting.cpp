@@ -10,108 +10,46 @@
 
 #include "base/parallel.h"
 #include "base/stopwatch.h"
-#include "feature/curvature.h"
 #include "growth/patches.h"
 #include "scale/find_scale.h"
+#include "scale/half.h"
 #include "seed/oriented_match.h"
-#include "surface/clean.h"
 
 namespace isograft {
 
 namespace {
 
-void note(MatchReport& report, const std::string& name, double seconds, std::int64_t bytes) {
-    const auto found =
-        std::find_if(report.stages.begin(), report.stages.end(), [&](const StageReport& s) { return s.name == name; });
-    if (found != report.stages.end()) {
-        found->seconds += seconds;
-        found->bytes = std::max(found->bytes, bytes);
-    } else {
-        report.stages.push_back({name, seconds, bytes});
-    }
+std::vector<int> landmark_vertices(const std::vector<Landmark>& landmarks, int Landmark::* end) {
+    std::vector<int> vertices;
+    for (const Landmark& l : landmarks) vertices.push_back(l.*end);
+    return vertices;
 }
 
-Detail make_detail(const Surface& surface, const CoarseMesh& base, double base_edge, double factor, double edge,
-                   Monitor& monitor) {
-    Detail detail{surface, scaled(surface.mesh(), factor), {}};
-    if (edge <= 1.25 * base_edge * factor) {
-        detail.coarse = base;
-        detail.coarse.mesh = scaled(base.mesh, factor);
-    } else {
-        detail.coarse = coarsen(detail.fine, edge, monitor);
-    }
-    return detail;
-}
-
-std::vector<SurfacePoint> landmark_points(const Detail& detail, const std::vector<Landmark>& landmarks,
-                                          int Landmark::* end) {
-    std::vector<SurfacePoint> points;
-    const std::vector<int> working = working_vertices(detail.surface);
-    for (const Landmark& l : landmarks) {
-        // match() has refused vertices that are not there.
-        const int v = working[l.*end];
-        points.push_back(detail.coarse.place.empty() ? point_near_vertex(detail.fine, v) : detail.coarse.place[v]);
-    }
-    return points;
-}
-
-// A surface with the coarse mesh that serves every setting in which it is the larger one.
-struct Side {
-    Surface surface;
-    CoarseMesh coarse;
-    double edge = 0.0;
-};
-
-Side make_side(const Surface& surface, const HierarchyOptions& options, Monitor& monitor) {
-    const double side = std::sqrt(surface.mesh().area);
-    Side result{surface, {}, options.coarse_edge * sample_spacing(1.0, options.samples) * side};
-    if (result.edge > 0.0) {
-        result.coarse = coarsen(surface.mesh(), result.edge, monitor);
-    } else {
-        result.coarse.mesh = surface.mesh();
-    }
-    return result;
-}
-
-PreparedPair prepare(const Side& source, const Side& target, const Setting& setting, const MatchOptions& options,
-                     MatchReport& report, Monitor& monitor, double from, double to) {
-    Stopwatch watch;
-    const Surface& s = source.surface;
-    const Surface& t = target.surface;
-    const double source_area = s.mesh().area * setting.scale * setting.scale;
-    const double unit = std::sqrt(std::max(source_area, t.mesh().area));
-    const double smaller = std::min(source_area, t.mesh().area) / (unit * unit);
+PreparedPair prepare(Halves& halves, const Side& source, const Side& target, const Setting& setting,
+                     const MatchOptions& options, MatchReport& report, Monitor& monitor, double from, double to) {
+    const double source_area = source.surface.mesh().area * setting.scale * setting.scale;
+    const double target_area = target.surface.mesh().area;
+    const double unit = std::sqrt(std::max(source_area, target_area));
+    const double smaller = std::min(source_area, target_area) / (unit * unit);
     const HierarchyOptions& hierarchy = options.hierarchy;
     const double spacing =
         std::min(sample_spacing(1.0, hierarchy.samples), sample_spacing(smaller, hierarchy.min_samples));
-    const double edge = hierarchy.coarse_edge * spacing;
-    PreparedPair prepared{setting,
-                          make_detail(s, source.coarse, source.edge, setting.scale / unit, edge, monitor),
-                          make_detail(t, target.coarse, target.edge, 1.0 / unit, edge, monitor),
-                          {},
-                          unit};
+    const auto& [s, t] = halves.make({HalfRequest{&source, setting.scale / unit, spacing, options.random_seed + 1,
+                                                  landmark_vertices(options.landmarks, &Landmark::source)},
+                                      HalfRequest{&target, 1.0 / unit, spacing, options.random_seed + 2,
+                                                  landmark_vertices(options.landmarks, &Landmark::target)}},
+                                     options, report, monitor, from, to);
+    PreparedPair prepared{setting, s->detail, t->detail, {}, unit};
     Pair& pair = prepared.pair;
-    pair.source.mesh = prepared.source.coarse.mesh;
-    pair.target.mesh = prepared.target.coarse.mesh;
-    const double third = (to - from) / 3.0;
-    pair.source.samples =
-        make_samples(pair.source.mesh, spacing, hierarchy, options.random_seed + 1, options.threads, monitor, from,
-                     from + 0.5 * third, landmark_points(prepared.source, options.landmarks, &Landmark::source));
-    pair.target.samples = make_samples(pair.target.mesh, spacing, hierarchy, options.random_seed + 2, options.threads,
-                                       monitor, from + 0.5 * third, from + third,
-                                       landmark_points(prepared.target, options.landmarks, &Landmark::target));
-    note(report, "samples", watch.lap(), pair.source.samples.bytes() + pair.target.samples.bytes());
-    const auto curvature = [&](const Detail& detail, double time) {
-        monitor.check();
-        return at_coarse(detail.coarse, mean_curvature(detail.fine, time));
-    };
-    pair.source_curvature = curvature(prepared.source, curvature_time(options.feature));
-    pair.target_curvature = curvature(prepared.target, curvature_time(options.feature));
-    pair.source_detail = curvature(prepared.source, detail_time);
-    pair.target_detail = curvature(prepared.target, detail_time);
-    describe(pair, options.feature, options.random_seed + 3, options.threads, monitor, from + third, to);
-    const auto descriptors = pair.source_descriptor.size() + pair.target_descriptor.size();
-    note(report, "features", watch.lap(), static_cast<std::int64_t>(descriptors * sizeof(PolarDescriptor)));
+    pair.source = s->sampled;
+    pair.target = t->sampled;
+    pair.source_curvature = s->curvature;
+    pair.target_curvature = t->curvature;
+    pair.source_detail = s->fine_curvature;
+    pair.target_detail = t->fine_curvature;
+    pair.source_descriptor = s->descriptor;
+    pair.target_descriptor = t->descriptor;
+    pair.chance = chance_distance(pair, options.feature, options.random_seed + 3);
     return prepared;
 }
 
@@ -153,18 +91,18 @@ bool outvoted(const ScaleVotes& loser, const ScaleVotes& winner, bool is_given) 
     return is_given ? fits_better && surer : (fits_better && votes_agree(winner)) || surer;
 }
 
-std::vector<Choice> possible_settings(const std::vector<Side>& sources, const std::vector<Side>& targets,
+std::vector<Choice> possible_settings(const std::vector<const Side*>& sources, const std::vector<const Side*>& targets,
                                       const MatchOptions& options, MatchReport& report, Monitor& monitor, double from,
                                       double to) {
     const bool automatic = options.scale.mode == ScaleMode::automatic;
     const double given = options.scale.mode == ScaleMode::given ? options.scale.value : 1.0;
     Stopwatch watch;
     std::vector<Choice> sides;
-    for (const Side& s : sources) {
-        for (const Side& t : targets) {
-            sides.push_back({{given, &s != &sources.front(), &t != &targets.front()}, &s, &t});
+    for (const Side* s : sources) {
+        for (const Side* t : targets) {
+            sides.push_back({{given, s != sources.front(), t != targets.front()}, s, t});
             if (!automatic) continue;
-            sides.back().votes = vote_scale(s.coarse.mesh, t.coarse.mesh, options.feature, options.scale,
+            sides.back().votes = vote_scale(s->coarse.mesh, t->coarse.mesh, options.feature, options.scale,
                                             options.random_seed + 4, options.threads, monitor, from, to);
         }
     }
@@ -194,23 +132,30 @@ PreparedPair prepare_pair(const Surface& source, const Surface& target, const Ma
                           MatchReport& report, Monitor& monitor, double from, double to) {
     const double voted = from + 0.3 * (to - from);
     Stopwatch coarsening;
-    std::vector<Side> sources{make_side(source, options.hierarchy, monitor)};
-    std::vector<Side> targets{make_side(target, options.hierarchy, monitor)};
+    std::vector<Surface> surfaces{source, target};
     // Turning both over changes nothing, so one is enough.
     if (source.orientation_is_ambiguous()) {
-        sources.push_back(make_side(source.with_open_parts_reversed(), options.hierarchy, monitor));
+        surfaces.push_back(source.with_open_parts_reversed());
     } else if (target.orientation_is_ambiguous()) {
-        targets.push_back(make_side(target.with_open_parts_reversed(), options.hierarchy, monitor));
+        surfaces.push_back(target.with_open_parts_reversed());
     }
+    std::vector<Side> made(surfaces.size());
+    parallel_for(
+        static_cast<int>(surfaces.size()), options.threads,
+        [&](int i, int /*worker*/) { made[i] = make_side(surfaces[i], options.hierarchy, monitor); }, monitor,
+        "surface", from, from);
+    std::vector<const Side*> sources{made.data()}, targets{&made[1]};
+    if (made.size() > 2) (source.orientation_is_ambiguous() ? sources : targets).push_back(&made[2]);
     note(report, "surface", coarsening.lap(), 0);
     const std::vector<Choice> settings = possible_settings(sources, targets, options, report, monitor, from, voted);
+    Halves halves;
     std::optional<PreparedPair> best;
     double best_quality = 0.0;
     for (std::size_t i = 0; i < settings.size(); ++i) {
         const double step = (to - voted) / static_cast<double>(settings.size());
         const double begin = voted + static_cast<double>(i) * step;
-        PreparedPair prepared = prepare(*settings[i].source, *settings[i].target, settings[i].setting, options, report,
-                                        monitor, begin, begin + 0.8 * step);
+        PreparedPair prepared = prepare(halves, *settings[i].source, *settings[i].target, settings[i].setting, options,
+                                        report, monitor, begin, begin + 0.8 * step);
         if (settings.size() == 1) {
             best = std::move(prepared);
             break;

@@ -98,5 +98,29 @@ TEST(MeanCurvature, IsTheSameAfterRigidMotionAndRenumbering) {
     for (std::size_t v = 0; v < a.size(); ++v) EXPECT_NEAR(b[other.vertex[v]], a[v], 1e-9);
 }
 
+TEST(CoarseCurvatures, AgreeWithThoseOfTheFineMeshWhetherHeatFlowsThereOrNot) {
+    const TriangleMesh fine = shapes::mesh_of(shapes::blob(5));
+    Monitor monitor;
+    const double time = 0.03;
+    const auto truth = mean_curvature(fine, time);
+    double previous = 1.0;
+    for (const double edge : {0.05, 0.12}) {  // half the vertices, and a tenth of them
+        const CoarseMesh coarse = coarsen(fine, edge, monitor);
+        ASSERT_FALSE(coarse.fine_vertex.empty());
+        const auto fields = coarse_curvatures(fine, coarse, {0.5 * time, time});
+        ASSERT_EQ(fields.size(), 2U);
+        double difference = 0.0, size = 0.0;
+        for (int v = 0; v < coarse.mesh.vertex_count(); ++v) {
+            difference += std::abs(fields[1][v] - truth[coarse.fine_vertex[v]]);
+            size += std::abs(truth[coarse.fine_vertex[v]]);
+        }
+        EXPECT_LT(difference, 0.05 * size) << edge;
+        const double share = static_cast<double>(coarse.mesh.vertex_count()) / fine.vertex_count();
+        EXPECT_LT(share, previous);
+        previous = share;
+    }
+    EXPECT_LT(previous, 1.0 / 3.0);
+}
+
 }  // namespace
 }  // namespace isograft

@@ -68,15 +68,18 @@ TEST(CoarseMesh, LeavesTheVerticesThatStayWhereTheyAre) {
 }
 
 TEST(CoarseMesh, KnowsForEveryFineVertexAPlaceNearIt) {
-    const TriangleMesh fine = gate(shapes::blob(5)).mesh();
+    const Surface surface = gate(shapes::blob(5));
+    const TriangleMesh& fine = surface.mesh();
     const CoarseMesh coarse = coarsened(fine, 0.16);
+    Detail detail{surface, 2.0, coarse};
+    detail.coarse.mesh = scaled(coarse.mesh, 2.0);
     ASSERT_EQ(static_cast<int>(coarse.place.size()), fine.vertex_count());
     for (int v = 0; v < fine.vertex_count(); ++v) {
         const SurfacePoint& p = coarse.place[v];
         EXPECT_NEAR(p.weight[0] + p.weight[1] + p.weight[2], 1.0, 1e-9);
         EXPECT_LT((position(coarse.mesh, p) - fine.position[v]).norm(), 0.08);
         // ... and the way back.
-        EXPECT_LT((position(fine, to_fine(coarse, fine, p)) - fine.position[v]).norm(), 0.08);
+        EXPECT_LT((position(fine, to_fine(detail, p)) - fine.position[v]).norm(), 0.08);
     }
 }
 
