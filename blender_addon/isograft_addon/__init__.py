@@ -7,7 +7,7 @@ bl_info = {
     "version": (0, 1, 0),
     "blender": (3, 4, 0),
     "location": "3D Viewport > Sidebar > Isograft",
-    "description": "Match surfaces in different poses, in whole or in part, and graft UV maps and colours",
+    "description": "Match surfaces in different poses, in whole or in part, and graft what one carries",
     "category": "Object",
 }
 

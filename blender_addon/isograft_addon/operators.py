@@ -9,7 +9,7 @@ import isograft
 
 from . import baking, bridge, grafting, matching, properties, transfer_properties, wrapping
 from .job import Job, ReceiverError
-from .settings import Settings, engine_has
+from .settings import Settings
 
 TICK = 0.1
 """Seconds between two looks at a running job."""
@@ -212,13 +212,6 @@ class OBJECT_OT_isograft_wrap(_Modal, bpy.types.Operator):
 
 
 _CLASSES = (OBJECT_OT_isograft_match, OBJECT_OT_isograft_transfer, OBJECT_OT_isograft_bake, OBJECT_OT_isograft_wrap)
-
-
-_CLASSES = tuple(
-    cls
-    for cls in _CLASSES
-    if not cls.__name__.endswith(("bake", "wrap")) or engine_has(cls.__name__.rpartition("_")[2])
-)
 
 
 def register() -> None:

@@ -6,8 +6,6 @@ import textwrap
 import bpy
 
 from . import bridge, operators, properties, transfer_properties
-from .kinds import KINDS
-from .settings import engine_has
 
 CHARACTER_WIDTH = 8
 """Pixels a letter takes, icon and margins counted in."""
@@ -71,8 +69,6 @@ class VIEW3D_PT_isograft_transfer(bpy.types.Panel):
         settings = context.window_manager.isograft_transfer
         grid = layout.grid_flow(row_major=True, columns=2, even_columns=True, align=True)
         for identifier, label, _ in transfer_properties.WHAT:
-            if identifier not in KINDS:
-                continue
             grid.prop_enum(settings, "what", identifier, text=label)
         layout.use_property_split = True
         layout.use_property_decorate = False
@@ -82,10 +78,10 @@ class VIEW3D_PT_isograft_transfer(bpy.types.Panel):
                 box.label(text=label)
                 for name in names:
                     if name != "mix_factor" or settings.mix_mode != "REPLACE" or settings.mix_factor != 1.0:
-                        box.prop(settings, name)
+                        _setting(box, settings, name)
         column = layout.column()
         for name in ("min_confidence", "overwrite", "fill"):
-            column.prop(settings, name)
+            _setting(column, settings, name)
         row = layout.row()
         row.scale_y = 1.4
         properties.copy_settings(settings, row.operator("object.isograft_transfer", icon="PASTEDOWN"))
@@ -109,7 +105,7 @@ class VIEW3D_PT_isograft_bake(bpy.types.Panel):
         settings = context.window_manager.isograft_bake
         column = layout.column()
         for name in ("uv_source", "uv_map", "size", "margin", "float_images", "min_confidence", "overwrite"):
-            column.prop(settings, name)
+            _setting(column, settings, name)
         row = layout.row()
         row.scale_y = 1.4
         properties.copy_settings(settings, row.operator("object.isograft_bake", icon="TEXTURE"))
@@ -153,6 +149,14 @@ _KIND_SETTINGS = (
 """Settings shown while a kind is chosen."""
 
 
+def _setting(layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup, name: str) -> None:
+    """A property; a switch over the whole width, so that its name is not cut off."""
+    row = layout.row()
+    if settings.bl_rna.properties[name].type == "BOOLEAN":
+        row.use_property_split = False
+    row.prop(settings, name)
+
+
 def _wrapped(layout: bpy.types.UILayout, text: str, width: int) -> None:
     """`text` in as many lines as the sidebar's width asks for."""
     column = layout.column(align=True)
@@ -161,13 +165,6 @@ def _wrapped(layout: bpy.types.UILayout, text: str, width: int) -> None:
 
 
 _CLASSES = (VIEW3D_PT_isograft, VIEW3D_PT_isograft_transfer, VIEW3D_PT_isograft_bake, VIEW3D_PT_isograft_wrap)
-
-
-_CLASSES = tuple(
-    cls
-    for cls in _CLASSES
-    if not cls.__name__.endswith(("bake", "wrap")) or engine_has(cls.__name__.rpartition("_")[2])
-)
 
 
 def register() -> None:

@@ -6,8 +6,6 @@ from dataclasses import dataclass, field, fields
 from fnmatch import fnmatchcase
 from typing import Any, TypeVar
 
-from isograft import transfer
-
 from .bridge import RefusedError
 
 Item = TypeVar("Item")
@@ -61,11 +59,6 @@ def choose(items: Iterable[Item], names: str, owner: str, kind: str, name_of: Ca
 
 def _fits(name: str, pattern: str) -> bool:
     return name == pattern or fnmatchcase(name, pattern)
-
-
-def engine_has(*functions: str) -> bool:
-    """True if the native package has these functions."""
-    return all(hasattr(transfer, name) for name in functions)
 
 
 class Names:

@@ -6,7 +6,6 @@ from typing import Any
 import bpy
 
 from .baking import BakeSettings
-from .kinds import KINDS
 from .settings import Settings
 from .wrapping import WrapSettings
 
@@ -18,7 +17,7 @@ WHAT = (
     ("ATTRIBUTES", "Attributes", "Attributes of any type on points, edges, faces and face corners"),
     ("MATERIALS", "Materials", "Material slots and the material of every face"),
     ("FACE_SETS", "Face Sets", "The face sets of Sculpt Mode"),
-    ("NORMALS", "Custom Normals", "Custom normals of face corners, turned with the surface"),
+    ("NORMALS", "Normals", "Custom normals of face corners, turned with the surface"),
 )
 
 MIX_MODES = (
@@ -57,7 +56,7 @@ def transfer_settings() -> dict[str, Any]:
         "what": bpy.props.EnumProperty(
             name="What",
             description="What the receivers get",
-            items=[w for w in WHAT if w[0] in KINDS],
+            items=WHAT,
             options={"ENUM_FLAG"},
             default=default.what,
         ),

@@ -44,7 +44,7 @@ def traces() -> dict[str, object]:
 
 def test_installing_the_zip_registers_operators_and_panel() -> None:
     found = traces()
-    assert found["operators"] == ["isograft_match", "isograft_transfer"]
+    assert found["operators"] == ["isograft_bake", "isograft_match", "isograft_transfer", "isograft_wrap"]
     assert found["panel"]
 
 

@@ -68,3 +68,8 @@ def test_one_undo_takes_a_transfer_back_and_keeps_the_match(seen: dict[str, Any]
     assert seen["received"] == ["Atlas"]
     assert seen["one_undo_takes_the_transfer_back"]
     assert seen["still_matched"]
+
+
+def test_one_undo_takes_a_bake_into_a_new_unwrap_back(seen: dict[str, Any]) -> None:
+    assert seen["baked"] == ["Scan baked"]
+    assert seen["one_undo_takes_the_bake_back"]

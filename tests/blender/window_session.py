@@ -20,6 +20,7 @@ import bpy
 sys.path.insert(0, str(Path(__file__).parent))
 
 from scenes import Pair, snapshot
+from textures import atlas, material, new_image, texture
 
 FOLDER = Path(sys.argv[sys.argv.index("--") + 1])
 PATIENCE = 60.0
@@ -107,6 +108,28 @@ def undo() -> None:
         bpy.ops.ed.undo()
 
 
+def paint_donor() -> None:
+    """Give the donor a material with an image."""
+    made, shader = material("Skin")
+    texture(made, new_image("Paint", atlas(32)), shader.inputs["Base Color"])
+    bpy.data.objects["Donor"].data.materials.append(made)
+
+
+def bake_and_undo() -> Iterator[float]:
+    """A bake into a new unwrap, and one step back."""
+    paint_donor()
+    with bpy.context.temp_override(**view()):
+        bpy.ops.ed.undo_push(message="Painted")
+    before_bake = state()
+    with bpy.context.temp_override(**view()):
+        bpy.ops.object.isograft_bake("INVOKE_DEFAULT", size=64, uv_source="UNWRAP")
+    yield from wait_for_end()
+    seen["baked"] = [item.name for item in bpy.data.objects["Scan"].data.materials if item]
+    undo()
+    yield 0.5
+    seen["one_undo_takes_the_bake_back"] = state() == before_bake
+
+
 def session() -> Iterator[float]:
     view()["area"].spaces.active.show_region_ui = True
     for obj in list(bpy.data.objects):
@@ -157,6 +180,7 @@ def session() -> Iterator[float]:
     yield 0.5
     seen["one_undo_takes_the_transfer_back"] = state() == after_match
     seen["still_matched"] = is_matched()
+    yield from bake_and_undo()
 
 
 def finish(error: str | None = None) -> None:

@@ -78,8 +78,10 @@ def write_attribute(obj: bpy.types.Object, name: str, domain: str, data_type: st
     key, dtype, _ = _STORAGE[data_type]
     attribute = old or attributes.new(name, data_type, domain)
     if data_type == "STRING":
+        # Bytes from Blender 4.1 on, text before.
+        as_bytes = len(attribute.data) and isinstance(attribute.data[0].value, bytes)
         for element, value in zip(attribute.data, values, strict=True):
-            element.value = value
+            element.value = str(value).encode() if as_bytes else str(value)
     else:
         attribute.data.foreach_set(key, np.ascontiguousarray(values, dtype=dtype).ravel())
 
@@ -87,5 +89,6 @@ def write_attribute(obj: bpy.types.Object, name: str, domain: str, data_type: st
 def _values(attribute: bpy.types.Attribute) -> Array:
     key, dtype, width = _STORAGE[attribute.data_type]
     if attribute.data_type == "STRING":
-        return np.array([element.value for element in attribute.data], dtype=object)
+        words = [element.value for element in attribute.data]
+        return np.array([word.decode() if isinstance(word, bytes) else word for word in words], dtype=object)
     return get_array(attribute.data, key, dtype, width)

@@ -64,7 +64,8 @@ def read_inputs(material: Any, owner: str) -> tuple[list[Input], list[str]]:
         )
     inputs, left_out = [], []
     for socket in shader.inputs:
-        if socket.type not in {"RGBA", "VALUE", "VECTOR"}:
+        # A socket that Blender keeps for itself is not found by its name.
+        if socket.type not in {"RGBA", "VALUE", "VECTOR"} or socket.name not in shader.inputs:
             continue
         found = _read(socket, f"{owner}: {socket.name} of the material {material.name}")
         if found is not None:

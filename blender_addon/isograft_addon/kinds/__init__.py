@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What can be transferred: one module per kind of data, each a class that reads, computes and writes."""
 
-from ..settings import engine_has
 from .attributes import Attributes
 from .base import Kind
 from .colors import Colors
@@ -22,8 +21,6 @@ KINDS: dict[str, type[Kind]] = {
     "FACE_SETS": FaceSets,
     "NORMALS": Normals,
 }
-_NEEDS = {"KEYS": "transfer_shape_keys", "FACE_SETS": "transfer_face", "NORMALS": "transfer_normals"}
-KINDS = {name: kind for name, kind in KINDS.items() if name not in _NEEDS or engine_has(_NEEDS[name])}
 """By the identifier in the operator's `what`, in the order in which they are written."""
 
 __all__ = ["KINDS", "Kind", "UVMaps"]

@@ -23,9 +23,7 @@ def fill_corners(pair: Pair, values: Array, known: Array) -> tuple[Array, Array,
     marked = np.zeros(len(pair.own.vertices), dtype=bool)
     if whole.all() or not whole.any():
         return values, whole, marked
-    completed, filled = transfer.fill_corner(
-        pair.own.vertices, pair.own.triangles, values, whole, polygons=pair.own.polygons
-    )
+    completed, filled = transfer.fill_corner(pair.own.vertices, pair.own.triangles, values, whole)
     marked[pair.own.triangles[filled]] = True
     # Vertices that have a match show it, unless only torn faces are around them.
     known_around = np.zeros(len(marked), dtype=bool)

@@ -9,7 +9,7 @@ from isograft import transfer
 from .. import bridge
 from ..bridge import Array, CornerLayer, RefusedError
 from ..pairing import Donor, Pair
-from ..settings import Names, Settings, choose, engine_has
+from ..settings import Names, Settings, choose
 from .base import Kind
 from .filling import fill_corners
 from .materials import Slots
@@ -27,7 +27,7 @@ class UVMaps(Kind):
         self._moved: list[CornerLayer] = []
         self._has_uv = np.zeros(pair.arrays.polygon_count, dtype=bool)
         self._seams = np.zeros(len(pair.arrays.edges), dtype=bool)
-        self._mark = settings.mark_seams and engine_has("seam_edges")
+        self._mark = settings.mark_seams
         self._targets = [names.claim(layer.name) for layer in self._layers]
         count = len(mesh.uv_layers) + sum(name not in mesh.uv_layers for name in self._targets)
         if count > bridge.MAX_UV_LAYERS:

@@ -1,0 +1,208 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender script: the pictures of docs/transfer.md, each kind of data on the donor and on the receiver.
+
+    blender -b PAIR.blend --python-exit-code 1 -P demo/transfer_pictures.py -- FOLDER ZIP [NAME...]
+
+PAIR.blend is that of demo/make_pair.py. Writes transfer_<NAME>.jpg into FOLDER, all or the named ones.
+"""
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+
+import bpy
+import numpy as np
+
+from demo import addon, creature, pictures, scene
+from demo.implicit import Array
+
+PIXELS, SAMPLES = 1100, 24
+MARK = (0.85, 0.12, 0.05)
+
+
+def coloured(item: bpy.types.Object, name: str, colours: Array) -> None:
+    """Show linear colours (n, 4) of the points."""
+    layer = item.data.color_attributes.get(name) or item.data.color_attributes.new(name, "FLOAT_COLOR", "POINT")
+    layer.data.foreach_set("color", colours.astype(np.float32).ravel())
+    item.data.materials.clear()
+    item.data.materials.append(scene.attribute_material(name, name))
+
+
+def copy_of(item: bpy.types.Object) -> bpy.types.Object:
+    """The object with a mesh of its own."""
+    twin = item.copy()
+    twin.data = item.data.copy()
+    bpy.context.scene.collection.objects.link(twin)
+    return twin
+
+
+class Album:
+    """Donor and receiver, matched, upright side by side; one method per picture."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.donor = bpy.data.objects[bpy.context.scene["donor"]]
+        self.receiver = bpy.data.objects[bpy.context.scene["receiver"]]
+        self.rig = bpy.data.objects["Rig"]
+        pictures.stand(self.donor)
+        pictures.stand(self.receiver, pictures.SCAN_TURN)
+        scene.studio(SAMPLES)
+        bpy.context.scene.render.image_settings.file_format = "JPEG"
+        bpy.context.scene.render.image_settings.quality = 86
+        if "isograft" not in self.receiver:
+            addon.select(self.donor, self.receiver)
+            bpy.ops.object.isograft_match()
+
+    def graft(self, **settings: object) -> None:
+        """Transfer to the receiver."""
+        addon.select(self.donor, self.receiver)
+        if bpy.ops.object.isograft_transfer(**settings) != {"FINISHED"}:
+            raise RuntimeError("the transfer did not finish")
+
+    def shoot(self, name: str, items: list[bpy.types.Object], words: list[str]) -> None:
+        """One picture of the objects side by side, with words below."""
+        captions = pictures.arrange(items, words, PIXELS)
+        scene.render(str(self.folder / f"transfer_{name}.jpg"))
+        pictures.remove(captions)
+
+    def uv(self) -> None:
+        """One checker on both UV maps, seams of the receiver drawn on it."""
+        self.graft(what={"UV"}, link_materials=False)
+        checker = scene.checker_material("Checker", 40.0)
+        items = [copy_of(self.donor), copy_of(self.receiver), copy_of(self.receiver)]
+        for item in items[:2]:
+            item.data.materials.clear()
+            item.data.materials.append(checker)
+        seams = np.zeros(len(items[2].data.edges), dtype=bool)
+        items[2].data.edges.foreach_get("use_seam", seams)
+        ends = np.zeros(2 * len(seams), dtype=np.int32)
+        items[2].data.edges.foreach_get("vertices", ends)
+        colours = np.tile([0.6, 0.6, 0.6, 1.0], (len(items[2].data.vertices), 1))
+        colours[np.unique(ends.reshape(-1, 2)[seams])] = (*MARK, 1.0)
+        coloured(items[2], "Seams", colours)
+        self.shoot("uv", items, ["donor's UV map", "on the receiver", "seams marked"])
+        pictures.remove(items)
+
+    def textures(self) -> None:
+        """The donor's image and relief in a new unwrap of the receiver."""
+        before, after = copy_of(self.receiver), self.receiver
+        addon.select(self.donor, after)
+        if bpy.ops.object.isograft_bake(size=2048, uv_source="UNWRAP") != {"FINISHED"}:
+            raise RuntimeError("the bake did not finish")
+        shown = copy_of(after)
+        self.shoot("textures", [self.donor, before, shown], ["donor", "receiver before", "baked into a new unwrap"])
+        pictures.remove([before, shown])
+
+    def colours(self) -> None:
+        """A colour attribute, unmatched parts left black, and filled on request."""
+        items = [copy_of(self.donor)]
+        items[0].data.materials.clear()
+        items[0].data.materials.append(scene.attribute_material("Parts", "Parts"))
+        for fill in (False, True):
+            self.graft(what={"COLOR"}, fill=fill, overwrite=True)
+            items.append(copy_of(self.receiver))
+            items[-1].data.materials.clear()
+            items[-1].data.materials.append(scene.attribute_material("Parts", "Parts"))
+        self.shoot("colours", items, ["donor's colours", "unmatched left alone", "filled on request"])
+        pictures.remove(items)
+
+    def groups(self) -> None:
+        """The weights of one bone."""
+        self.graft(what={"GROUPS"}, overwrite=True, normalise=True)
+        names = list(self.donor.vertex_groups.keys())
+        items = [copy_of(self.donor), copy_of(self.receiver)]
+        weights = [creature.read_weights(item, names) for item in items]
+        bone = int(weights[0].sum(axis=0).argmax())
+        for item, weight in zip(items, weights, strict=True):
+            coloured(item, "Weight", pictures.heat(weight[:, bone], np.ones(len(weight), dtype=bool)))
+        self.shoot("groups", items, [f"donor's weights of {names[bone]}", "on the receiver"])
+        pictures.remove(items)
+
+    def keys(self) -> None:
+        """A shape key that makes the back swell, at 0 and at 1."""
+        points = np.array([tuple(v.co) for v in self.donor.data.vertices])
+        normals = np.array([tuple(v.normal) for v in self.donor.data.vertices])
+        low, high = points.min(axis=0), points.max(axis=0)
+        where = (points - low) / (high - low)
+        near = np.exp(-(((where - [0.5, 0.55, 0.62]) / [0.6, 0.16, 0.25]) ** 2).sum(axis=1))
+        self.donor.shape_key_add(name="Basis", from_mix=False)
+        key = self.donor.shape_key_add(name="Swell", from_mix=False)
+        swollen = points + 0.16 * (high - low)[2] * near[:, None] * normals
+        key.data.foreach_set("co", swollen.astype(np.float32).ravel())
+        self.graft(what={"KEYS"})
+        items = [copy_of(self.donor), copy_of(self.receiver), copy_of(self.receiver)]
+        for item in (items[0], items[2]):
+            item.data.shape_keys.key_blocks["Swell"].value = 1.0
+        plain = scene.plain_material("Clay", (0.45, 0.33, 0.26))
+        for item in items:
+            item.data.materials.clear()
+            item.data.materials.append(plain)
+        self.shoot("keys", items, ["donor's shape key at 1", "receiver, key at 0", "receiver, key at 1"])
+        pictures.remove(items)
+        self.donor.shape_key_clear()
+
+    def materials(self) -> None:
+        """Per-face materials: one for every bone's part of the surface."""
+        names = list(self.donor.vertex_groups.keys())
+        part = creature.read_weights(self.donor, names).argmax(axis=1)
+        twin = self.donor
+        kept = list(twin.data.materials)
+        twin.data.materials.clear()
+        for number in range(len(names)):
+            hue = np.array([0.5 + 0.4 * np.cos(2 * np.pi * (0.618 * number + shift)) for shift in (0.0, 0.33, 0.67)])
+            twin.data.materials.append(scene.plain_material(f"Part {number}", tuple(hue)))
+        first = np.array([polygon.vertices[0] for polygon in twin.data.polygons])
+        twin.data.polygons.foreach_set("material_index", part[first].astype(np.int32))
+        twin.data.update()
+        self.graft(what={"MATERIALS"})
+        items = [copy_of(twin), copy_of(self.receiver)]
+        self.shoot("materials", items, ["donor's materials", "face by face on the receiver"])
+        pictures.remove(items)
+        twin.data.materials.clear()
+        for material in kept:
+            twin.data.materials.append(material)
+        twin.data.polygons.foreach_set("material_index", np.zeros(len(first), dtype=np.int32))
+
+    def wrap(self) -> None:
+        """The donor's mesh on the scan, what was completed in another colour."""
+        addon.select(self.donor, self.receiver)
+        if bpy.ops.object.isograft_wrap() != {"FINISHED"}:
+            raise RuntimeError("the wrap did not finish")
+        made = bpy.data.objects[f"{self.donor.name} on {self.receiver.name}"]
+        for modifier in list(made.modifiers):
+            made.modifiers.remove(modifier)
+        filled = np.zeros(len(made.data.vertices), dtype=bool)
+        made.data.attributes["isograft_filled"].data.foreach_get("value", filled)
+        colours = np.tile([0.45, 0.5, 0.6, 1.0], (len(filled), 1))
+        colours[filled] = (*MARK, 1.0)
+        coloured(made, "Filled", colours)
+        bare = copy_of(self.receiver)
+        bare.data.materials.clear()
+        bare.data.materials.append(scene.plain_material("Bare", scene.BARE))
+        self.shoot("wrap", [self.donor, bare, made], ["donor", "receiver", "donor's mesh; red: completed"])
+        pictures.remove([bare, made])
+
+
+def main(folder: Path, zip_path: Path, names: list[str]) -> None:
+    """Take the named pictures, or all."""
+    addon.install(zip_path)
+    album = Album(folder)
+    takes: dict[str, Callable[[], None]] = {
+        "uv": album.uv,
+        "colours": album.colours,
+        "groups": album.groups,
+        "keys": album.keys,
+        "materials": album.materials,
+        "wrap": album.wrap,
+        "textures": album.textures,
+    }
+    for name in names or takes:
+        takes[name]()
+        print(f"demo: transfer_{name}.jpg", flush=True)
+
+
+if __name__ == "__main__":
+    arguments = sys.argv[sys.argv.index("--") + 1 :]
+    main(Path(arguments[0]).resolve(), Path(arguments[1]).resolve(), arguments[2:])

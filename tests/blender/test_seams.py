@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Seams marked with the UV maps of object.isograft_transfer; unmatched areas filled."""
+
+from typing import Any
+
+import bpy
+import numpy as np
+import rigs
+import shapes
+from scenes import MatchedPair, select, snapshot, uvs, values
+
+
+def graft(pair: Any, **settings: Any) -> None:
+    select(pair.donor, pair.receiver)
+    assert bpy.ops.object.isograft_transfer(**settings) == {"FINISHED"}
+
+
+def marked(obj: Any) -> set[tuple[int, ...]]:
+    """Vertices of the edges that are marked as seams."""
+    return {tuple(sorted(edge.vertices)) for edge in obj.data.edges if edge.use_seam}
+
+
+def parted(obj: Any, name: str) -> set[tuple[int, ...]]:
+    """Vertices of the edges whose two faces, both with UVs, do not agree at both ends."""
+    uv = uvs(obj, name)
+    seen: dict[tuple[int, ...], dict[int, Any]] = {}
+    result = set()
+    for polygon in obj.data.polygons:
+        loops = list(polygon.loop_indices)
+        if not uv[loops].any():
+            continue
+        for here, ahead in zip(loops, loops[1:] + loops[:1], strict=True):
+            ends = {obj.data.loops[i].vertex_index: uv[i] for i in (here, ahead)}
+            key = tuple(sorted(ends))
+            before = seen.setdefault(key, ends)
+            if any(np.abs(before[v] - ends[v]).max() > 1e-5 for v in ends):
+                result.add(key)
+    return result
+
+
+def distances(points: np.ndarray) -> np.ndarray:
+    """How far directions are from the nearest seam of the atlas: where the two largest coordinates are alike."""
+    sorted_ = np.sort(np.abs(points), axis=-1)
+    return np.asarray(sorted_[..., 2] - sorted_[..., 1])
+
+
+def test_edges_along_which_the_islands_part_are_marked(matched: MatchedPair) -> None:
+    own = matched.receiver.data.edges[0]
+    own.use_seam = True
+    before = tuple(sorted(own.vertices))
+    graft(matched)
+    assert marked(matched.receiver) - {before} == parted(matched.receiver, "Atlas") - {before}
+    assert before in marked(matched.receiver)
+    ends = np.array(sorted(marked(matched.receiver) - {before}))
+    assert len(ends) > 100
+    assert np.median(distances(matched.directions[ends]).mean(axis=1)) < 0.12
+
+
+def test_seams_are_not_marked_when_not_wanted(matched: MatchedPair) -> None:
+    graft(matched, mark_seams=False)
+    assert not marked(matched.receiver)
+
+
+def unmatch(matched: MatchedPair, rows: np.ndarray) -> np.ndarray:
+    """Take the match away from some vertices; returns who has none now."""
+    face = np.where(rows, -1, values(matched.receiver, "isograft_face", "value")).astype(np.int32)
+    matched.receiver.data.attributes["isograft_face"].data.foreach_set("value", face)
+    return np.asarray(face < 0)
+
+
+def test_unmatched_areas_are_filled_only_on_request_and_marked(matched: MatchedPair) -> None:
+    directions, _ = shapes.triangle_sphere()
+    rigs.give_weights(matched.donor, rigs.true_weights(directions))
+    rigs.add_keys(matched.donor, directions)
+    middle = np.array([-0.7, 0.6, 0.39])
+    gap = unmatch(matched, matched.directions @ middle > 0.93)
+    assert gap.sum() > 10
+    what = {"UV", "COLOR", "GROUPS", "KEYS"}
+    graft(matched, what=what)
+    assert "isograft_filled" not in matched.receiver.data.attributes
+    assert not rigs.group_weights(matched.receiver)[gap].any()
+    graft(matched, what=what, fill=True, overwrite=True)
+    filled = values(matched.receiver, "isograft_filled", "value").astype(bool)
+    assert np.array_equal(filled, gap)
+    color = values(matched.receiver, "Paint", "color", 4)
+    hole = matched.directions @ middle > 0.93
+    truth = shapes.point_color(matched.directions)
+    assert np.abs(color - truth)[hole].max() < 0.2
+    weights = rigs.group_weights(matched.receiver)
+    assert np.abs(weights - rigs.true_weights(matched.directions))[hole].max() < 0.2
+    assert np.all(np.any(uvs(matched.receiver, "Atlas") != 0, axis=1))
+
+
+def test_filling_where_all_is_matched_marks_nothing(matched: MatchedPair) -> None:
+    before = snapshot(matched.donor)
+    if not unmatch(matched, np.zeros(len(matched.directions), dtype=bool)).any():
+        graft(matched, what={"COLOR"}, fill=True)
+        assert "isograft_filled" not in matched.receiver.data.attributes
+    assert snapshot(matched.donor) == before
