@@ -153,6 +153,26 @@ def test_mirrored_and_collapsed_uvs_do_not_part_an_island():
     np.testing.assert_allclose(moved.uv.reshape(-1, 3, 2), folded, rtol=0, atol=1e-12)
 
 
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_islands_that_lie_on_each_other_are_told_apart_on_the_surface(mirrored):
+    correspondence, receiver, donor = pair("cube", RECEIVERS, 0.37)
+    apart = move_uv(correspondence, receiver, donor)
+    side = transfer.uv_islands(donor[1], donor[2])
+    # Every second side turned over or turned by a half, so that no two sides carry on into each other anywhere.
+    shift = np.stack([donor[2][side == s].reshape(-1, 2).min(axis=0) for s in range(6)])
+    turned = np.array([1.0, -1.0]) if mirrored else np.array([-1.0, -1.0])
+    sign = np.where(np.arange(6)[:, None] % 2 == 1, turned, 1.0)
+    own = 0.01 * np.arange(6)[:, None]
+
+    def overlap(uv, island):
+        return (uv - shift[island]) * sign[island] + 0.5 + own[island]
+
+    onto = overlap(donor[2].reshape(-1, 2), np.repeat(side, 3))
+    moved = move_uv(correspondence, receiver, (*donor[:2], onto))
+    np.testing.assert_array_equal(moved.island, apart.island)
+    np.testing.assert_allclose(moved.uv, overlap(apart.uv, np.repeat(apart.island, 3)), rtol=0, atol=1e-9)
+
+
 def test_polygons_are_never_parted_by_a_seam():
     correspondence, receiver, donor = pair("cube", RECEIVERS, 0.37)
     polygons = np.arange(len(receiver[1])) // 2

@@ -91,6 +91,22 @@ def test_a_hole_between_islands_continues_the_one_it_borders_most():
     assert set(islands[~known]) == {islands[known & (side == 0) & (centre[:, 0] > 0)][0]}
 
 
+def test_faces_take_the_value_of_the_nearest_known_face():
+    vertices, faces, _ = cylinder(6, 12)
+    row = np.arange(72) // 12
+    polygons = np.arange(len(faces)) // 2
+    names = np.array([f"row {r}" for r in row])
+    known = (row == 0) | (row == 5)
+    values, filled = transfer.fill_face(vertices, faces, names, known, polygons=polygons)
+    np.testing.assert_array_equal(filled, ~known)
+    np.testing.assert_array_equal(values[known], names[known])
+    assert set(values[(row == 1)]) == {"row 0"} and set(values[(row == 4)]) == {"row 5"}
+    nothing = transfer.fill_face(vertices, faces, names, np.zeros(72, bool), polygons=polygons)
+    assert not nothing.filled.any() and (nothing.values == names).all()
+    with pytest.raises(isograft.InvalidInput, match="expected 144 rows, one per face"):
+        transfer.fill_face(vertices, faces, names, known)
+
+
 def test_filling_refuses_what_does_not_fit():
     vertices, faces, uv = flat(3)
     known = np.ones(len(vertices), bool)

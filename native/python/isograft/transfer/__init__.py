@@ -10,7 +10,7 @@ from isograft.transfer.attributes import Located, locate, transfer_face
 from isograft.transfer.baking import Baked, Channel, bake
 from isograft.transfer.corners import TransferredUV, transfer_corner, transfer_corner_uv, transfer_point, uv_islands
 from isograft.transfer.edges import transfer_edge
-from isograft.transfer.filling import Filled, fill_corner, fill_point
+from isograft.transfer.filling import Filled, fill_corner, fill_face, fill_point
 from isograft.transfer.inverse import invert
 from isograft.transfer.normals import transfer_normals
 from isograft.transfer.seams import seam_edges
@@ -30,6 +30,7 @@ __all__ = [
     "Wrapped",
     "bake",
     "fill_corner",
+    "fill_face",
     "fill_point",
     "invert",
     "local_frames",

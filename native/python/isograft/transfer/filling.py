@@ -15,6 +15,7 @@ from isograft.transfer.arrays import (
     as_type,
     corner_rows,
     point_rows,
+    polygon_ids,
     row_codes,
     triangle_rows,
     value_columns,
@@ -27,7 +28,7 @@ class Filled(NamedTuple):
     values: Array
     """As they were given, with the holes filled."""
     filled: npt.NDArray[np.bool_]
-    """True where a value was made up: per vertex (fill_point) or triangle (fill_corner)."""
+    """True where a value was made up: per vertex (fill_point), triangle (fill_corner) or face (fill_face)."""
 
 
 def fill_point(
@@ -124,6 +125,50 @@ def fill_corner(
     moved = data.copy()
     moved[corners] = result.values[split.ravel()[corners]]
     return Filled(moved, filled)
+
+
+def fill_face(
+    vertices: Any, faces: Any, values: npt.ArrayLike, known: npt.ArrayLike, *, polygons: Any = None
+) -> Filled:
+    """Fill values per face, such as material indices, with that of the nearest known face along the edges.
+
+    Args:
+        vertices: (n, 3) of the mesh that has the values.
+        faces: (F, 3).
+        values: (P,) or (P, ...), one row per polygon, without polygons per triangle; of any type.
+        known: (P,) True where the values are known; those do not change.
+        polygons: (F,) polygon of every triangle; None: every triangle is a face.
+
+    Returns:
+        Values, and which faces were filled. Parts of the mesh without any known face stay as they are.
+
+    Raises:
+        InvalidInput: arrays that do not fit each other.
+    """
+    points, triangles = point_rows(vertices, "vertices"), triangle_rows(faces, "faces")
+    data, mask = np.asarray(values), _booleans(known, "known")
+    owner = np.arange(len(triangles)) if polygons is None else polygon_ids(polygons, "polygons")
+    count = int(owner.max(initial=-1)) + 1
+    if len(owner) != len(triangles):
+        raise _native.InvalidInput(f"polygons: expected {len(triangles)} rows, one per triangle, got {len(owner)}")
+    if data.ndim == 0 or len(data) != len(mask) or len(data) < count:
+        raise _native.InvalidInput(
+            f"values and known: expected {count} rows, one per face, got {data.shape} and {mask.shape}"
+        )
+    # Every vertex of a known face stands for the first of them; an unknown face asks its corners.
+    giver = np.full(len(points), count)
+    sure = mask[owner]
+    np.minimum.at(giver, triangles[sure].ravel(), np.repeat(owner[sure], 3))
+    source = _native.nearest_known(points, triangles, giver < count)
+    nearest = np.where(source >= 0, giver[source], count)[triangles]
+    away = np.linalg.norm(points[triangles] - points[source[triangles]], axis=2)
+    corner = np.where(nearest < count, away, np.inf).argmin(axis=1)
+    asked = nearest[np.arange(len(triangles)), corner]
+    result, filled = data.copy(), np.zeros(len(data), bool)
+    unsure = np.flatnonzero(~sure & (asked < count))[::-1]
+    result[owner[unsure]] = data[asked[unsure]]
+    filled[owner[unsure]] = True
+    return Filled(result, filled)
 
 
 def _split(points: Array, triangles: Array, compared: Array, mask: Array, tolerance: float) -> Array:
