@@ -121,20 +121,19 @@ class Album:
         pictures.remove(items)
 
     def keys(self) -> None:
-        """A shape key that makes the back swell, at 0 and at 1."""
+        """A shape key that arches the back, at 0 and at 1; filled, so that the rims of the scan's holes go along."""
         points = np.array([tuple(v.co) for v in self.donor.data.vertices])
-        normals = np.array([tuple(v.normal) for v in self.donor.data.vertices])
         low, high = points.min(axis=0), points.max(axis=0)
         where = (points - low) / (high - low)
-        near = np.exp(-(((where - [0.5, 0.55, 0.62]) / [0.6, 0.16, 0.25]) ** 2).sum(axis=1))
+        near = np.exp(-(((where[:, 1] - 0.5) / 0.2) ** 2))
         self.donor.shape_key_add(name="Basis", from_mix=False)
-        key = self.donor.shape_key_add(name="Swell", from_mix=False)
-        swollen = points + 0.16 * (high - low)[2] * near[:, None] * normals
-        key.data.foreach_set("co", swollen.astype(np.float32).ravel())
-        self.graft(what={"KEYS"})
+        key = self.donor.shape_key_add(name="Arch", from_mix=False)
+        arched = points + 0.3 * (high - low)[2] * near[:, None] * np.array([0.0, 0.0, 1.0]) * where[:, 2:]
+        key.data.foreach_set("co", arched.astype(np.float32).ravel())
+        self.graft(what={"KEYS"}, fill=True)
         items = [copy_of(self.donor), copy_of(self.receiver), copy_of(self.receiver)]
         for item in (items[0], items[2]):
-            item.data.shape_keys.key_blocks["Swell"].value = 1.0
+            item.data.shape_keys.key_blocks["Arch"].value = 1.0
         plain = scene.plain_material("Clay", (0.45, 0.33, 0.26))
         for item in items:
             item.data.materials.clear()
