@@ -9,6 +9,7 @@ from isograft.transfer.arrays import TransferredValues
 from isograft.transfer.attributes import Located, locate, transfer_face
 from isograft.transfer.baking import Baked, Channel, bake
 from isograft.transfer.corners import TransferredUV, transfer_corner, transfer_corner_uv, transfer_point, uv_islands
+from isograft.transfer.cutting import CutMesh, cut_along_seams
 from isograft.transfer.edges import transfer_edge
 from isograft.transfer.filling import Filled, fill_corner, fill_face, fill_point
 from isograft.transfer.inverse import invert
@@ -22,6 +23,7 @@ __all__ = [
     "MIX_MODES",
     "Baked",
     "Channel",
+    "CutMesh",
     "Filled",
     "LocalFrames",
     "Located",
@@ -29,6 +31,7 @@ __all__ = [
     "TransferredValues",
     "Wrapped",
     "bake",
+    "cut_along_seams",
     "fill_corner",
     "fill_face",
     "fill_point",
