@@ -91,6 +91,31 @@ def test_unmatched_areas_are_filled_only_on_request_and_marked(matched: MatchedP
     assert np.all(np.any(uvs(matched.receiver, "Atlas") != 0, axis=1))
 
 
+def test_faces_are_filled_with_what_lies_nearest(matched: MatchedPair) -> None:
+    first = np.array([polygon.center.x for polygon in matched.donor.data.polygons])
+    matched.donor.data.attributes.new("piece", "INT", "FACE")
+    matched.donor.data.attributes["piece"].data.foreach_set("value", np.where(first > 0, 5, 9).astype(np.int32))
+    left, right = bpy.data.materials.new("Left"), bpy.data.materials.new("Right")
+    for one in (left, right):
+        matched.donor.data.materials.append(one)
+    matched.donor.data.polygons.foreach_set("material_index", (first > 0).astype(np.int32))
+    matched.donor.data.update()
+    hole = matched.directions @ np.array([-0.7, 0.6, 0.39]) > 0.93
+    gap = unmatch(matched, hole)
+    graft(matched, what={"ATTRIBUTES", "MATERIALS"}, fill=True)
+    receiver = matched.receiver.data
+    inside = np.array([hole[list(polygon.vertices)].all() for polygon in receiver.polygons])
+    assert inside.sum() > 5
+    assert set(values(matched.receiver, "piece", "value")) == {5, 9}
+    assert set(values(matched.receiver, "piece", "value")[inside]) == {9}
+    slots = np.array([polygon.material_index for polygon in receiver.polygons])
+    assert {receiver.materials[slot].name for slot in slots[inside]} == {"Left"}
+    assert {receiver.materials[slot].name for slot in slots} == {"Left", "Right"}
+    filled = values(matched.receiver, "isograft_filled", "value").astype(bool)
+    assert filled.any()
+    assert not filled[~gap].any()
+
+
 def test_filling_where_all_is_matched_marks_nothing(matched: MatchedPair) -> None:
     before = snapshot(matched.donor)
     if not unmatch(matched, np.zeros(len(matched.directions), dtype=bool)).any():

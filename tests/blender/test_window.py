@@ -30,7 +30,7 @@ def seen(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
         env=os.environ | {"LIBGL_ALWAYS_SOFTWARE": "1"},
         capture_output=True,
         text=True,
-        timeout=240,
+        timeout=300,
     )
     result: dict[str, Any] = json.loads((folder / "seen.json").read_text()) if done.returncode == 0 else {}
     output = done.stdout[-3000:] + done.stderr[-3000:]

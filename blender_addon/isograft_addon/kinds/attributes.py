@@ -11,7 +11,7 @@ from ..bridge import Array, AttributeLayer, RefusedError
 from ..pairing import Donor, Pair
 from ..settings import Names, Settings, choose
 from .base import Kind
-from .filling import fill_corners, fill_points
+from .filling import fill_corners, fill_faces, fill_points
 
 _WORDS = {"POINT": "points", "EDGE": "edges", "FACE": "faces", "CORNER": "face corners"}
 
@@ -83,7 +83,11 @@ class Attributes(Kind):
             receiver_polygons=pair.own.polygons,
             donor_polygons=pair.given.polygons,
         )
-        return moved.values
+        result = moved.values
+        if self.settings.fill:
+            result, filled = fill_faces(pair, result, moved.mask)
+            self.filled |= filled
+        return result
 
     def _on_edges(self, values: Array) -> Array:
         pair = self.pair

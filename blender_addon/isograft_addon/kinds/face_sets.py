@@ -12,6 +12,7 @@ from ..bridge import Array, RefusedError
 from ..pairing import Donor, Pair
 from ..settings import Names, Settings
 from .base import Kind
+from .filling import fill_faces
 
 NAME = ".sculpt_face_set"
 HIDDEN_BEFORE = (3, 6, 0)
@@ -55,6 +56,8 @@ class FaceSets(Kind):
             donor_polygons=pair.given.polygons,
         )
         self._sets = np.where(moved.mask, moved.values, self._sets)
+        if self.settings.fill:
+            self._sets, self.filled = fill_faces(pair, self._sets, moved.mask)
 
     def write(self) -> None:
         """The face sets."""

@@ -20,12 +20,25 @@ def fill_corners(pair: Pair, values: Array, known: Array) -> tuple[Array, Array,
     """Values (3 F, ...) completed, the triangles (F,) that have values now, and the vertices (n,) that were filled."""
     # A polygon with an unmatched triangle is unmatched as a whole.
     whole = pair.whole_polygons(known)[pair.own.polygons]
-    marked = np.zeros(len(pair.own.vertices), dtype=bool)
     if whole.all() or not whole.any():
-        return values, whole, marked
+        return values, whole, np.zeros(len(pair.own.vertices), dtype=bool)
     completed, filled = transfer.fill_corner(pair.own.vertices, pair.own.triangles, values, whole)
+    return completed, whole | filled, _marks(pair, whole, filled)
+
+
+def fill_faces(pair: Pair, values: Array, known: Array) -> tuple[Array, Array]:
+    """Values (p, ...) with those of the nearest known faces (p,), and the vertices (n,) that were filled."""
+    if known.all() or not known.any():
+        return values, np.zeros(len(pair.own.vertices), dtype=bool)
+    completed, filled = transfer.fill_face(
+        pair.own.vertices, pair.own.triangles, values, known, polygons=pair.own.polygons
+    )
+    return completed, _marks(pair, known[pair.own.polygons], filled[pair.own.polygons])
+
+
+def _marks(pair: Pair, known: Array, filled: Array) -> Array:
+    """(n,) vertices of filled triangles (F,) that no known triangle (F,) touches."""
+    marked = np.zeros(len(pair.own.vertices), dtype=bool)
     marked[pair.own.triangles[filled]] = True
-    # Vertices that have a match show it, unless only torn faces are around them.
-    known_around = np.zeros(len(marked), dtype=bool)
-    known_around[pair.own.triangles[whole]] = True
-    return completed, whole | filled, marked & ~known_around
+    marked[pair.own.triangles[known]] = False
+    return marked

@@ -11,6 +11,7 @@ from ..bridge import Array, RefusedError
 from ..pairing import Donor, Pair
 from ..settings import Names, Settings
 from .base import Kind
+from .filling import fill_faces
 
 
 @dataclass
@@ -43,11 +44,12 @@ class Slots:
         """True if the receiver gets a material."""
         return bool(self.names)
 
-    def assign(self, polygons: Array) -> None:
+    def assign(self, polygons: Array) -> Array:
         """Give the donor's materials to the receiver's polygons of the mask `polygons`.
 
-        A face takes the material of the donor's face under its first corner. Other faces keep theirs; where the
-        receiver had no slot, an empty one is made for them.
+        A face takes the material of the donor's face under its first corner, one that is to have a material though it
+        is unmatched that of the nearest face. Other faces keep theirs; where the receiver had no slot, an empty one is
+        made for them. Returns the vertices (n,) that were filled.
         """
         if not self.own and not polygons.all():
             self.own.append(None)
@@ -64,6 +66,11 @@ class Slots:
         found = np.clip(self.given[pair.given.polygons[face]], 0, len(self.materials) - 1)
         self.index[polygons] = np.where(face >= 0, slot_of[found], self.index[polygons])
         self.names = [material.name for material in self.materials if material is not None]
+        known = polygons.copy()
+        known[polygons] = face >= 0
+        completed, filled = fill_faces(pair, self.index, known)
+        self.index[polygons] = completed[polygons]
+        return filled
 
     def write(self, obj: Any) -> None:
         """Append the slots, give every polygon its own."""
@@ -90,7 +97,10 @@ class Materials(Kind):
         assert self._slots is not None
         pair = self.pair
         whole = pair.whole_polygons(pair.matched[pair.own.triangles].all(axis=1))
-        self._slots.assign(whole)
+        if self.settings.fill:
+            self.filled |= self._slots.assign(np.ones_like(whole))
+        else:
+            self._slots.assign(whole)
 
     def write(self) -> None:
         """Slots and faces."""
