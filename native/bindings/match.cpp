@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "isograft/match.h"
 
+#include <array>
+#include <cstdint>
 #include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "bindings.h"
+#include "isograft/memory.h"
 
 namespace isograft::bindings {
 
@@ -59,13 +62,14 @@ std::vector<Landmark> to_landmarks(const IntArray& pairs) {
 
 Match match_arrays(const Surface& source, const Surface& target, const std::string& preset, const py::dict& overrides,
                    const IntArray& landmarks, const std::string& scale_mode, double scale_value, int threads,
-                   std::uint64_t seed, const py::object& progress) {
+                   std::uint64_t seed, std::int64_t memory_limit, const py::object& progress) {
     MatchOptions options = preset_options(preset);
     apply(overrides, options);
     set_scale(scale_mode, scale_value, options.scale);
     options.landmarks = to_landmarks(landmarks);
     options.threads = threads;
     options.random_seed = seed;
+    options.memory_limit = memory_limit;
     Match result;
     run_with_progress(progress, [&](Monitor& monitor) { result = match(source, target, options, &monitor); });
     return result;
@@ -105,7 +109,20 @@ void bind_match(py::module_& m) {
 
     m.def("match", &match_arrays, py::arg("source"), py::arg("target"), py::arg("preset"), py::arg("overrides"),
           py::arg("landmarks"), py::arg("scale_mode"), py::arg("scale_value"), py::arg("threads"), py::arg("seed"),
-          py::arg("progress"));
+          py::arg("memory_limit"), py::arg("progress"));
+
+    m.def(
+        "check_memory",
+        [](std::array<std::int64_t, 2> source, std::array<std::int64_t, 2> target, const std::string& preset,
+           const py::dict& overrides, int threads, std::int64_t limit) {
+            MatchOptions options = preset_options(preset);
+            apply(overrides, options);
+            options.threads = threads;
+            check_memory({source[0], source[1]}, {target[0], target[1]}, options, limit);
+            return estimated_memory({source[0], source[1]}, {target[0], target[1]}, options);
+        },
+        py::arg("source"), py::arg("target"), py::arg("preset"), py::arg("overrides"), py::arg("threads"),
+        py::arg("limit"));
 }
 
 }  // namespace isograft::bindings

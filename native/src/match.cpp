@@ -14,6 +14,7 @@
 #include "growth/patches.h"
 #include "growth/relax.h"
 #include "isograft/errors.h"
+#include "isograft/memory.h"
 #include "scale/setting.h"
 #include "seed/oriented_match.h"
 #include "surface/clean.h"
@@ -64,6 +65,7 @@ void MatchOptions::validate() const {
     blend.validate();
     dense.validate();
     scale.validate();
+    if (memory_limit < 0) throw InvalidInput("memory_limit must not be negative; 0 is no limit");
     if (threads < 0 || threads > 1024) throw InvalidInput("threads must be in [0, 1024]; 0 takes all cores");
 }
 
@@ -93,6 +95,8 @@ MatchOptions preset_options(const std::string& name) {
 
 Match match(const Surface& source, const Surface& target, const MatchOptions& options, Monitor* monitor) {
     options.validate();
+    check_memory({source.vertices().rows(), source.faces().rows()}, {target.vertices().rows(), target.faces().rows()},
+                 options, options.memory_limit);
     check_landmarks(options.landmarks, source, &Landmark::source, "source");
     check_landmarks(options.landmarks, target, &Landmark::target, "target");
     Monitor silent;

@@ -38,6 +38,8 @@ struct MatchOptions {
     std::vector<Landmark> landmarks;
     /// Worker threads; 0 takes all cores. The result does not depend on it.
     int threads = 0;
+    /// Bytes that a match may take by the estimate of memory.h; 0 is no limit.
+    std::int64_t memory_limit = 0;
     /// Seed of every random choice.
     std::uint64_t random_seed = 0;
 
@@ -101,7 +103,8 @@ struct Match {
 /// What cannot be matched is left unmatched; at worst everything is.
 /// \param monitor may be null.
 /// \return at least one Correspondence; equal bit for bit for any number of threads.
-/// \throw InvalidInput if `options` do not validate or a landmark is out of range; Cancelled if `monitor` asks for it.
+/// \throw InvalidInput if `options` do not validate or a landmark is out of range; ResourceLimit if
+/// the estimate exceeds the options' limit; Cancelled if `monitor` asks for it.
 Match match(const Surface& source, const Surface& target, const MatchOptions& options = {}, Monitor* monitor = nullptr);
 
 }  // namespace isograft

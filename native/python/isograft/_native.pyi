@@ -94,8 +94,17 @@ def match(
     scale_value: float,
     threads: int,
     seed: int,
+    memory_limit: int,
     progress: Callable[[str, float], Any] | None,
 ) -> Match: ...
+def check_memory(
+    source: tuple[int, int],
+    target: tuple[int, int],
+    preset: str,
+    overrides: dict[str, bool | int | float],
+    threads: int,
+    limit: int,
+) -> int: ...
 def geodesic_distances(
     surface: Surface, face: int, barycentric: Sequence[float], radius: float
 ) -> npt.NDArray[np.float64]: ...

@@ -46,6 +46,9 @@ def add_match(commands: Any, epilog: str) -> None:
     )
     parser.add_argument("--threads", type=int, metavar="N", help="default: all cores")
     parser.add_argument("--seed", type=int, default=0, metavar="N", help="of every random choice (default: 0)")
+    parser.add_argument(
+        "--memory-limit", type=float, metavar="GB", help="refuse a match that is estimated to take more than this"
+    )
     parser.add_argument("--progress", action="store_true", help="also where standard error is no terminal")
     parser.add_argument("--json", action="store_true", help="print the result as JSON")
     parser.set_defaults(run=run_match)
@@ -67,6 +70,7 @@ def run_match(arguments: argparse.Namespace) -> int:
             scale=scale,
             threads=arguments.threads,
             seed=arguments.seed,
+            memory_limit=None if arguments.memory_limit is None else max(1, round(arguments.memory_limit * 1e9)),
             progress=progress,
         )
     finally:

@@ -17,7 +17,7 @@ from isograft.errors import InvalidInput
 from isograft.formats.npz import read_npz, write_npz
 from isograft.presets import check_overrides, preset_options
 from isograft.report import Report
-from isograft.surface import as_surface
+from isograft.surface import Surface, as_surface
 
 #: Called with the stage's name and the fraction done; returning False cancels.
 ProgressCallback = Callable[[str, float], Any]
@@ -58,6 +58,7 @@ def match(
     scale: str | float = "auto",
     threads: int | None = None,
     seed: int = 0,
+    memory_limit: int | None = None,
     progress: ProgressCallback | None = None,
     **overrides: Any,
 ) -> Match:
@@ -73,13 +74,14 @@ def match(
         scale: target units per source unit: "auto" finds it, "fixed" is 1, or the number itself.
         threads: worker threads; None takes all cores. The result does not depend on it.
         seed: of every random choice.
+        memory_limit: bytes that the match may take. What it will take is estimated before anything is allocated.
         progress: called as progress(stage, fraction) on the calling thread, with fractions that rise to 1, and again
             with the last one while a stage is long; returning False cancels. Other Python threads run meanwhile.
         overrides: single options by name, `<stage>_<field>`; see preset_options().
 
     Raises:
         InvalidInput: an argument cannot be used; the text says which and why.
-        ResourceLimit: the surfaces are too large for this build or the memory.
+        ResourceLimit: the surfaces are too large for this build, or for `memory_limit`.
         Cancelled: `progress` returned False. What it raises is passed on; so is KeyboardInterrupt.
     """
     if not (progress is None or callable(progress)):
@@ -88,6 +90,9 @@ def match(
     scale_mode, scale_value = to_scale(scale)
     thread_count = 0 if threads is None else to_int(threads, "threads", 1, 1024)
     seed_value = to_int(seed, "seed", 0, 2**64 - 1)
+    limit = 0 if memory_limit is None else to_int(memory_limit, "memory_limit", 1, 2**62)
+    if limit:
+        _native.check_memory(_size(source), _size(target), preset, options, thread_count, limit)
     s = as_surface(source, "source")
     t = as_surface(target, "target")
     pairs = to_landmarks(landmarks, len(s.vertices), len(t.vertices))
@@ -102,8 +107,18 @@ def match(
         scale_value=scale_value,
         threads=thread_count,
         seed=seed_value,
+        memory_limit=limit,
         progress=progress,
     )
     correspondences = [Correspondence.from_native(item, t.faces, len(t.vertices)) for item in found.correspondences]
     report = Report.from_native(found.report, preset, seed_value, options)
     return Match(correspondences[0], correspondences[1:], report)
+
+
+def _size(value: Any) -> tuple[int, int]:
+    """Vertices and triangles of what match() was given, before anything is made of it; 0 for what is no array."""
+    parts = (value.vertices, value.faces) if isinstance(value, Surface) else value
+    if not isinstance(parts, (tuple, list)):
+        return 0, 0
+    counts = [0 if part is None or np.ndim(part) == 0 else len(part) for part in parts[:2]]
+    return (counts[0] if counts else 0, counts[1] if len(counts) > 1 else 0)

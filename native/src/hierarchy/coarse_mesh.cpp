@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <queue>
+#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -19,10 +20,12 @@ constexpr double shape_weight = 3.0;
 // New triangles are not turned by more than acos of this and not thinner than this quality (1 = equilateral).
 constexpr double least_turn = 0.5;
 constexpr double least_quality = 0.2;
+// Steps between two looks at the monitor.
+constexpr std::size_t often = 4096;
 
 class Collapser {
   public:
-    Collapser(const TriangleMesh& mesh, double longest)
+    Collapser(const TriangleMesh& mesh, double longest, Monitor& monitor)
         : position_(mesh.position),
           face_(mesh.face),
           alive_(mesh.face.size(), 1),
@@ -36,6 +39,7 @@ class Collapser {
             for (const int v : face_[f]) around_[v].push_back(static_cast<int>(f));
         }
         for (std::size_t f = 0; f < face_.size(); ++f) {
+            if (f % often == 0) monitor.check();
             for (int k = 0; k < 3; ++k) {
                 const int u = face_[f][k];
                 const int v = face_[f][(k + 1) % 3];
@@ -203,6 +207,20 @@ int goal_count(double area, double edge) {
     return static_cast<int>(area / (0.8660254037844386 * edge * edge)) + 4;
 }
 
+// Fill `place` and `members`: the walk to a fine vertex's place begins at the coarse vertex start_of(fine vertex).
+template <class StartOf>
+void locate(const TriangleMesh& fine, CoarseMesh& coarse, Monitor& monitor, StartOf&& start_of) {
+    coarse.place.assign(fine.vertex_count(), {});
+    coarse.members.resize(coarse.mesh.vertex_count());
+    for (int v = 0; v < fine.vertex_count(); ++v) {
+        if (v % often == 0) monitor.check();
+        const int start = start_of(v);
+        if (start < 0) continue;
+        coarse.place[v] = closest_from(coarse.mesh, start, fine.position[v]);
+        coarse.members[nearest_corner(coarse.mesh, coarse.place[v])].push_back(v);
+    }
+}
+
 }  // namespace
 
 CoarseMesh coarsen(const TriangleMesh& fine, double edge, Monitor& monitor) {
@@ -212,7 +230,7 @@ CoarseMesh coarsen(const TriangleMesh& fine, double edge, Monitor& monitor) {
         coarse.mesh = fine;
         return coarse;
     }
-    Collapser collapser(fine, 2.2 * edge);
+    Collapser collapser(fine, 2.2 * edge, monitor);
     for (int i = 0; collapser.count() > goal && collapser.step(); ++i) {
         if (i % 1024 == 0) monitor.check();
     }
@@ -229,15 +247,25 @@ CoarseMesh coarsen(const TriangleMesh& fine, double edge, Monitor& monitor) {
     coarse.fine_vertex = coarse.mesh.input_vertex;
     std::vector<int> coarse_vertex(fine.vertex_count(), -1);
     for (int v = 0; v < coarse.mesh.vertex_count(); ++v) coarse_vertex[coarse.fine_vertex[v]] = v;
-    coarse.place.resize(fine.vertex_count());
-    coarse.members.resize(coarse.mesh.vertex_count());
-    for (int v = 0; v < fine.vertex_count(); ++v) {
-        const int start = coarse_vertex[collapser.survivor(v)];
-        if (start < 0) continue;  // its whole component is gone: it was smaller than a triangle
-        coarse.place[v] = closest_from(coarse.mesh, start, fine.position[v]);
-        coarse.members[nearest_corner(coarse.mesh, coarse.place[v])].push_back(v);
-    }
+    // Negative where the whole component is gone: it was smaller than a triangle.
+    locate(fine, coarse, monitor, [&](int v) { return coarse_vertex[collapser.survivor(v)]; });
     return coarse;
+}
+
+CoarseMesh coarsen_further(const TriangleMesh& fine, const CoarseMesh& coarse, double edge, Monitor& monitor) {
+    if (coarse.fine_vertex.empty()) return coarsen(fine, edge, monitor);
+    CoarseMesh result = coarsen(coarse.mesh, edge, monitor);
+    if (result.fine_vertex.empty()) return coarse;
+    const std::vector<SurfacePoint> step = std::move(result.place);
+    for (int& v : result.fine_vertex) v = coarse.fine_vertex[v];
+    result.members.clear();
+    locate(fine, result, monitor, [&](int v) {
+        const SurfacePoint& place = coarse.place[v];
+        if (place.face < 0) return -1;
+        const SurfacePoint& next = step[nearest_corner(coarse.mesh, place)];
+        return next.face < 0 ? -1 : nearest_corner(result.mesh, next);
+    });
+    return result;
 }
 
 SurfacePoint to_fine(const Detail& detail, const SurfacePoint& point) {

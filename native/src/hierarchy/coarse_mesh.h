@@ -40,6 +40,9 @@ struct Detail {
 /// orientation are kept. O(#V log #V).
 CoarseMesh coarsen(const TriangleMesh& fine, double edge, Monitor& monitor);
 
+/// coarsen() by way of a coarse mesh that is there already, so that the fine one is only looked up.
+CoarseMesh coarsen_further(const TriangleMesh& fine, const CoarseMesh& coarse, double edge, Monitor& monitor);
+
 /// The point of the fine mesh at a point of the coarse one.
 SurfacePoint to_fine(const Detail& detail, const SurfacePoint& point);
 

@@ -19,7 +19,7 @@ Detail make_detail(const HalfRequest& request, const HierarchyOptions& options, 
     if (edge <= 1.25 * request.side->edge) {
         detail.coarse = request.side->coarse;
     } else {
-        detail.coarse = coarsen(detail.fine(), edge, monitor);
+        detail.coarse = coarsen_further(detail.fine(), request.side->coarse, edge, monitor);
     }
     return detail;
 }

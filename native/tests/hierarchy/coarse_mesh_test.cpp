@@ -93,6 +93,24 @@ TEST(CoarseMesh, CountsEveryFineVertexToOneCoarseOne) {
     EXPECT_EQ(std::count(members.begin(), members.end(), 1), fine.vertex_count());
 }
 
+TEST(CoarseMesh, MadeFromACoarseOneKnowsTheFineOneToo) {
+    const TriangleMesh fine = gate(shapes::blob(5)).mesh();
+    Monitor monitor;
+    const CoarseMesh further = coarsen_further(fine, coarsened(fine, 0.1), 0.2, monitor);
+    EXPECT_NEAR(Edges(further.mesh).length, 0.2, 0.06);
+    ASSERT_EQ(static_cast<int>(further.fine_vertex.size()), further.mesh.vertex_count());
+    for (int v = 0; v < further.mesh.vertex_count(); ++v) {
+        EXPECT_EQ(further.mesh.position[v], fine.position[further.fine_vertex[v]]);
+    }
+    ASSERT_EQ(static_cast<int>(further.place.size()), fine.vertex_count());
+    for (int v = 0; v < fine.vertex_count(); ++v) {
+        EXPECT_LT((position(further.mesh, further.place[v]) - fine.position[v]).norm(), 0.1);
+    }
+    std::size_t members = 0;
+    for (const auto& list : further.members) members += list.size();
+    EXPECT_EQ(members, static_cast<std::size_t>(fine.vertex_count()));
+}
+
 TEST(CoarseMesh, TakesOverValues) {
     const TriangleMesh fine = gate(shapes::blob(5)).mesh();
     const CoarseMesh coarse = coarsened(fine, 0.16);
