@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
@@ -28,6 +29,8 @@ def run(options: Options) -> int:
     print(
         f"{len(requests)} runs, {len(asked) - len(requests)} measured already; results in {options.output}", flush=True
     )
+    # Ended from outside it takes its children along, as on Ctrl-C.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     with ThreadPoolExecutor(options.jobs) as pool:
         futures = {pool.submit(run_child, request, options.limit, logs): request for request in requests}
         try:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import json
 import os
@@ -136,6 +137,35 @@ def test_a_second_run_measures_only_what_is_not_there_yet(data, run, output):
     results = json.loads((output / "results.json").read_text())
     assert [row for row in results["rows"] if row["status"] == "ok"] == first
     assert len(results["rows"]) == 4
+
+
+def test_a_run_that_is_ended_takes_its_children_along(data, tmp_path):
+    started = subprocess.Popen(
+        [ROOT / "scripts" / "benchmark", "--data", data, "--ids", "same", "--preset", "thorough", "-o", tmp_path],
+        env={**os.environ, "ISOGRAFT_PYTHON": sys.executable},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert started.stdout is not None
+    assert "1 runs" in started.stdout.readline()
+    deadline = time.monotonic() + 60.0
+    while not (running := _descendants(started.pid)) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert running
+    started.terminate()
+    _, errors = started.communicate(timeout=60)
+    assert started.returncode == 130
+    assert "the rows so far are kept" in errors
+    assert not [child for child in running if Path(f"/proc/{child}").exists()]
+
+
+def _descendants(pid):
+    found = []
+    for task in Path(f"/proc/{pid}/task").glob("*/children"):
+        with contextlib.suppress(OSError):
+            found += task.read_text().split()
+    return found
 
 
 def test_a_corrupt_file_is_a_failed_pair_of_coverage_zero(run):
