@@ -4,10 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <sstream>
 
 #include "base/parallel.h"
 #include "base/stopwatch.h"
 #include "blend/blend.h"
+#include "blend/core.h"
+#include "blend/core_scale.h"
 #include "blend/merge.h"
 #include "dense/densify.h"
 #include "dense/refine.h"
@@ -15,6 +18,7 @@
 #include "growth/relax.h"
 #include "isograft/errors.h"
 #include "isograft/memory.h"
+#include "scale/rescale.h"
 #include "scale/setting.h"
 #include "seed/oriented_match.h"
 #include "surface/clean.h"
@@ -24,7 +28,7 @@ namespace isograft {
 namespace {
 
 // Progress at the end of each stage.
-constexpr double prepared_by = 0.4, seeded_by = 0.45, grown_by = 0.65, blended_by = 0.88, refined_by = 0.95;
+constexpr double prepared_by = 0.4, grown_by = 0.65, blended_by = 0.88;
 
 void check_landmarks(const std::vector<Landmark>& landmarks, const Surface& surface, int Landmark::* end,
                      const std::string& name) {
@@ -52,8 +56,65 @@ std::vector<OrientedMatch> landmark_matches(const Pair& pair, const MatchOptions
     return matches;
 }
 
-// Share of right vertices among those of equal risk, fitted on pairs with a known truth.
-double confidence_of(double risk) { return 1.0 / (1.0 + std::exp((risk - 0.95) / 0.25)); }
+struct Grown {
+    std::vector<Patch> patches;
+    std::vector<Core> cores;
+    int seeds = 0;
+};
+
+Grown grow(const Pair& pair, const PatchSettings& settings, const MatchOptions& options, Monitor& monitor, double from,
+           double to) {
+    const double seeded = from + 0.2 * (to - from);
+    std::vector<OrientedMatch> seeds = landmark_matches(pair, options);
+    const int forced = static_cast<int>(seeds.size());
+    const auto found =
+        oriented_matches(pair, options.feature, options.seed, options.threads, monitor, from, seeded);
+    seeds.insert(seeds.end(), found.begin(), found.end());
+    Grown grown;
+    grown.patches = grow_patches(pair, settings, seeds, forced, monitor, seeded, to);
+    grown.cores = find_cores(grown.patches, options.blend);
+    grown.seeds = std::min(static_cast<int>(seeds.size()), options.seed.probes + forced);
+    return grown;
+}
+
+// What the seeds of the strongest core say of the scale; 1 if it is near enough, or not to be touched.
+double scale_correction(const Pair& pair, const Grown& grown, const MatchOptions& options, MatchReport& report,
+                        Monitor& monitor) {
+    // Growth bears a few per cent, and a body that bends stretches by as much. A common unit is the likeliest of all
+    // beforehand: it takes more to give that up than to correct a scale that votes had measured.
+    const bool likely = report.scale == 1.0;
+    const double bearable = likely ? 0.08 : 0.025;
+    const double errors = likely ? 4.0 : 2.0;
+    constexpr double believable = 0.25;
+    if (grown.cores.empty() || options.scale.mode == ScaleMode::given) return 1.0;
+    const CoreScale said = measure_core_scale(pair, grown.patches, grown.cores.front(), monitor);
+    const double off = std::abs(std::log(said.ratio));
+    if (off < std::max(bearable, errors * said.error) || off > believable) return 1.0;
+    if (options.scale.mode == ScaleMode::automatic) return said.ratio;
+    if (off > 0.1) {
+        std::ostringstream text;
+        text.precision(3);
+        text << "scale is fixed, but the surfaces do not seem to be in one unit: lengths on the target are about "
+             << said.ratio << " times those on the source; try scale \"auto\"";
+        report.warnings.push_back(text.str());
+    }
+    return 1.0;
+}
+
+void warn_of_answers(const std::vector<Blended>& answers, MatchReport& report) {
+    if (answers.front().map.count == 0) {
+        report.warnings.emplace_back(
+            "no map was found that fits both surfaces, so everything is unmatched; check that they show the same "
+            "shape, try preset thorough, or give landmarks");
+    }
+    for (std::size_t i = 1; i < answers.size(); ++i) {
+        std::ostringstream text;
+        text.precision(2);
+        text << "alternative " << i << " contradicts the best map and scores " << answers[i].score / answers[0].score
+             << " of it: the surfaces may map onto themselves; compare both, or give a landmark";
+        report.warnings.push_back(text.str());
+    }
+}
 
 }  // namespace
 
@@ -108,50 +169,57 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
     for (const auto& w : target.warnings()) report.warnings.push_back("target: " + w);
     Stopwatch whole;
     Stopwatch watch;
-    const auto lap = [&](const char* name, std::int64_t bytes) { report.stages.push_back({name, watch.lap(), bytes}); };
+    const auto lap = [&](const char* name, std::int64_t bytes) {
+        const auto known = std::find_if(report.stages.begin(), report.stages.end(),
+                                        [&](const StageReport& stage) { return stage.name == name; });
+        if (known == report.stages.end()) {
+            report.stages.push_back({name, watch.lap(), bytes});
+        } else {
+            known->seconds += watch.lap();
+            known->bytes += bytes;
+        }
+    };
 
-    const PreparedPair prepared = prepare_pair(source, target, options, report, watcher, 0.0, prepared_by);
+    PreparedPair prepared = prepare_pair(source, target, options, report, watcher, 0.0, prepared_by);
     const Pair& pair = prepared.pair;
     watch.lap();
 
-    std::vector<OrientedMatch> seeds = landmark_matches(pair, options);
-    const int forced = static_cast<int>(seeds.size());
-    const auto found =
-        oriented_matches(pair, options.feature, options.seed, options.threads, watcher, prepared_by, seeded_by);
-    seeds.insert(seeds.end(), found.begin(), found.end());
-    lap("seeds", static_cast<std::int64_t>(seeds.size() * sizeof(OrientedMatch)));
-
     const PatchSettings settings{options.feature, options.seed, options.growth, options.blend, options.threads};
-    const std::vector<Patch> patches = grow_patches(pair, settings, seeds, forced, watcher, seeded_by, grown_by);
-    report.seeds_tried = std::min(static_cast<int>(seeds.size()), options.seed.probes + forced);
-    report.maps_grown = static_cast<int>(patches.size());
+    Grown grown = grow(pair, settings, options, watcher, prepared_by, grown_by);
+    if (const double factor = scale_correction(pair, grown, options, report, watcher); factor != 1.0) {
+        rescale(prepared, factor, options, watcher, grown_by, grown_by);
+        report.scale = prepared.setting.scale;
+        grown = grow(pair, settings, options, watcher, grown_by, grown_by);
+    }
+    report.seeds_tried = grown.seeds;
+    report.maps_grown = static_cast<int>(grown.patches.size());
     const std::int64_t map_bytes = pair.source.samples.count() * static_cast<std::int64_t>(sizeof(SurfacePoint) + 48);
     lap("growth", map_bytes * report.maps_grown);
 
-    Blended blended = blend(pair, settings, patches, watcher, grown_by, blended_by);
-    report.maps_in_core = blended.maps_in_core;
-    lap("blend", map_bytes);
-    if (blended.map.count == 0) {
-        report.warnings.emplace_back(
-            "no map was found that fits both surfaces, so everything is unmatched; check that they show the same "
-            "shape, "
-            "try preset thorough, or give landmarks");
+    std::vector<Blended> answers = blend(pair, settings, grown.patches, grown.cores, watcher, grown_by, blended_by);
+    report.maps_in_core = answers.front().maps_in_core;
+    lap("blend", map_bytes * static_cast<std::int64_t>(answers.size()));
+    warn_of_answers(answers, report);
+
+    const double share = 1.0 / static_cast<double>(answers.size());
+    for (std::size_t i = 0; i < answers.size(); ++i) {
+        const double begin = blended_by + (1.0 - blended_by) * static_cast<double>(i) * share;
+        const double refined = begin + 0.6 * (1.0 - blended_by) * share;
+        PartialMap& map = answers[i].map;
+        drop_collisions(map, pair, answers[i].risk, options.growth.collision_radius);
+        refine(map, pair, options.feature, options.growth, options.dense, options.threads, watcher, begin, refined);
+        lap("refinement", map_bytes);
+        SampleNotes notes;
+        RelaxSettings still;
+        still.iterations = 0;
+        notes.stretch = relax(pair.source.samples, pair.target.mesh, options.growth, still, map);
+        notes.region = continuous_parts(map, pair);
+        for (const double doubt : answers[i].risk) notes.confidence.push_back(1.0 - doubt);
+        result.correspondences.push_back(densify(map, pair, notes, options.dense, prepared.source, prepared.target,
+                                                 options.threads, watcher, refined,
+                                                 begin + (1.0 - blended_by) * share));
+        lap("dense", static_cast<std::int64_t>(source.vertices().rows()) * 88);
     }
-
-    drop_collisions(blended.map, pair, blended.risk, options.growth.collision_radius);
-    refine(blended.map, pair, options.feature, options.growth, options.dense, options.threads, watcher, blended_by,
-           refined_by);
-    lap("refinement", map_bytes);
-
-    SampleNotes notes;
-    RelaxSettings still;
-    still.iterations = 0;
-    notes.stretch = relax(pair.source.samples, pair.target.mesh, options.growth, still, blended.map);
-    notes.region = continuous_parts(blended.map, pair);
-    for (const double risk : blended.risk) notes.confidence.push_back(confidence_of(risk));
-    result.correspondences.push_back(densify(blended.map, pair, notes, options.dense, prepared.source, prepared.target,
-                                             options.threads, watcher, refined_by, 1.0));
-    lap("dense", static_cast<std::int64_t>(source.vertices().rows()) * 88);
     report.seconds = whole.lap();
     watcher.report("done", 1.0);
     return result;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -113,6 +114,46 @@ TEST(Match, FindsASurfaceInItselfBumpedTurnedAndRenumbered) {
     EXPECT_NEAR(result.report.scale, 1.0, 0.03);
     EXPECT_GT(result.report.maps_grown, 0);
     EXPECT_GE(result.report.maps_grown, result.report.maps_in_core);
+}
+
+/// A bumpy body that half a turn about the z axis takes to itself, and no mirror.
+shapes::Shape twofold() {
+    auto shape = shapes::sphere(4);
+    for (Eigen::Index v = 0; v < shape.vertices.rows(); ++v) {
+        const Eigen::Vector3d p = shape.vertices.row(v);
+        const double bump = 0.18 * std::sin(4.0 * p.x() * p.y() + 0.4) + 0.14 * std::sin(3.0 * p.z() - 1.0) +
+                            0.12 * std::cos(3.0 * (p.x() * p.x() - p.y() * p.y()) + 4.0 * p.z());
+        shape.vertices.row(v) = (1.0 + bump) * Eigen::Vector3d(p.x(), 0.7 * p.y(), 1.2 * p.z()).transpose();
+    }
+    return shape;
+}
+
+TEST(Match, GivesBothAnswersWhereTheShapeMapsOntoItself) {
+    const shapes::Shape shape = twofold();
+    const Surface source = gate(shape);
+    const Surface target = gate(shapes::moved(shape, shapes::some_rotation(), {1.0, 2.0, 3.0}));
+    const MatchOptions options = quick();
+    const Match result = match(source, target, options);
+    ASSERT_EQ(result.correspondences.size(), 2U);
+    const Eigen::Matrix3d half_turn = Eigen::Vector3d(-1.0, -1.0, 1.0).asDiagonal();
+    const shapes::Shape other = shapes::moved(shapes::moved(shape, half_turn, {0.0, 0.0, 0.0}),
+                                              shapes::some_rotation(), {1.0, 2.0, 3.0});
+    const double radius = spacing(target.mesh(), options);
+    double straight = 0.0, round = 0.0;
+    for (const Correspondence& c : result.correspondences) {
+        expect_well_formed(c, source, target);
+        straight = std::max(straight, score(c, target.vertices(), radius).right);
+        round = std::max(round, score(c, other.vertices, radius).right);
+    }
+    EXPECT_GT(straight, 0.9);
+    EXPECT_GT(round, 0.9);
+    EXPECT_TRUE(std::any_of(result.report.warnings.begin(), result.report.warnings.end(),
+                            [](const std::string& w) { return w.find("alternative 1") != std::string::npos; }));
+}
+
+TEST(Match, GivesOneAnswerWhereThereIsOne) {
+    const Match result = match(gate(shapes::blob(4)), gate(bumped()), quick());
+    EXPECT_EQ(result.correspondences.size(), 1U);
 }
 
 TEST(Match, IsTheSameWithinASpacingAfterRigidMotionAndRenumbering) {

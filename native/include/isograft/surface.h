@@ -36,8 +36,10 @@ class Surface {
     [[nodiscard]] const Triangles& faces() const { return faces_; }
     /// What the gate repaired or left out, a sentence each with counts.
     [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
-    /// True if some component is open, so that its side could not be told from its volume.
+    /// True if some component is open and bulges to neither side, so that its outer side could not be told.
     [[nodiscard]] bool orientation_is_ambiguous() const { return ambiguous_; }
+    /// True if every component of some size bounds a volume: nothing seems to be missing.
+    [[nodiscard]] bool is_closed() const { return closed_; }
     /// The repaired mesh the stages work on (internal).
     [[nodiscard]] const TriangleMesh& mesh() const { return *mesh_; }
     /// The same surface with its open components turned over (internal: both sides are tried, consensus decides).
@@ -48,6 +50,7 @@ class Surface {
     Triangles faces_;
     std::vector<std::string> warnings_;
     bool ambiguous_ = false;
+    bool closed_ = true;
     std::shared_ptr<const TriangleMesh> mesh_;
 };
 

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "blend/blend.h"
 
-#include <limits>
+#include <algorithm>
 #include <memory>
+#include <numeric>
+#include <optional>
 
 #include "base/parallel.h"
 #include "blend/completion.h"
@@ -17,10 +19,14 @@ namespace {
 constexpr double most_mismatch = 0.6;
 constexpr double least_curvature = 0.35;
 
+bool fits(const MapQuality& quality) {
+    return quality.mismatch <= most_mismatch && quality.curvature >= least_curvature;
+}
+
 struct Contender {
     std::unique_ptr<Completion> completion;
-    /// After the free extension.
-    PartialMap free;
+    /// Before and after the free extension.
+    PartialMap careful, free;
     MapQuality quality;
     double score = -1.0;
 };
@@ -32,59 +38,79 @@ void complete(Contender& contender, const Core& core, const Pair& pair, const Pa
         if (!completion.second_pass()) break;
     }
     // How far a core reaches without a check says most about it, so it is judged after a free extension.
-    const PartialMap careful = completion.map();
-    completion.extend(std::numeric_limits<double>::infinity());
-    contender.quality = measure_quality(pair, settings.feature, completion.map());
-    contender.score = choice_score(contender.quality, core.vote);
+    contender.careful = completion.map();
+    completion.extend(1.0);
+    completion.place_anchors();
+    contender.quality = measure_quality(pair, settings.feature, completion.map(), completion.doubts());
+    contender.score = choice_score(contender.quality);
     contender.free = completion.map();
-    completion.map() = careful;
+}
+
+// Share of the samples that two maps have in common which they put in the same place; nothing if they share too few.
+std::optional<double> agreement(const PartialMap& a, const PartialMap& b, double radius) {
+    constexpr int fewest = 10;
+    int shared = 0;
+    int agreed = 0;
+    for (std::size_t s = 0; s < a.mapped.size(); ++s) {
+        if (!a.mapped[s] || !b.mapped[s]) continue;
+        ++shared;
+        agreed += (a.position[s] - b.position[s]).norm() < radius ? 1 : 0;
+    }
+    if (shared < fewest) return std::nullopt;
+    return static_cast<double>(agreed) / shared;
 }
 
 // Cores share no patch, so another one that leads to much the same map is a second opinion on the rest of it.
-std::vector<PartialMap> witnesses(const std::vector<Contender>& contenders, std::size_t best, double radius) {
+std::vector<PartialMap> witnesses(const std::vector<Contender>& contenders, std::size_t chosen, double radius) {
     std::vector<PartialMap> result;
-    const PartialMap& chosen = contenders[best].free;
     for (std::size_t i = 0; i < contenders.size(); ++i) {
-        if (i == best) continue;
-        const PartialMap& other = contenders[i].free;
-        int shared = 0;
-        int agreed = 0;
-        for (std::size_t s = 0; s < chosen.mapped.size(); ++s) {
-            if (!chosen.mapped[s] || !other.mapped[s]) continue;
-            ++shared;
-            agreed += (chosen.position[s] - other.position[s]).norm() < radius ? 1 : 0;
-        }
-        if (5 * agreed > 3 * shared && shared > 0) result.push_back(other);
+        if (i == chosen) continue;
+        const auto share = agreement(contenders[chosen].free, contenders[i].free, radius);
+        if (share && *share > 0.6) result.push_back(contenders[i].free);
     }
     return result;
 }
 
+// The best contender, then those that contradict it and each other and nearly reach it, by falling score.
+std::vector<std::size_t> rank(const std::vector<Contender>& contenders, const BlendOptions& options) {
+    std::vector<std::size_t> order(contenders.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return contenders[a].score > contenders[b].score; });
+    std::vector<std::size_t> ranked;
+    for (const std::size_t i : order) {
+        const bool another = std::all_of(ranked.begin(), ranked.end(), [&](std::size_t k) {
+            const auto share = agreement(contenders[k].free, contenders[i].free, options.agreement_radius);
+            return share && *share < 0.4;
+        });
+        const bool near = ranked.empty() || contenders[i].score > options.alternative * contenders[ranked[0]].score;
+        if (another && near && fits(contenders[i].quality)) ranked.push_back(i);
+        if (ranked.empty()) break;
+    }
+    return ranked;
+}
+
 // The surest parts first: what a careful round adds helps to judge the next one.
-void extend_carefully(Completion& completion, double accept) {
-    completion.trim(1.0);
-    for (int round = 0; round < 3; ++round) {
+void extend_carefully(Completion& completion, const BlendOptions& options) {
+    // A single sample's evidence is noisier than that of its ring, which has the last word.
+    const double lenient = std::min(0.9, 1.75 * options.accept);
+    completion.trim(options.accept);
+    for (int round = 0; round < options.careful_rounds; ++round) {
         const int before = completion.map().count;
-        completion.extend(0.8 * accept);
-        completion.trim(0.6 * accept);
+        completion.extend(options.accept);
+        completion.trim(0.8 * options.accept);
         completion.second_pass();
-        completion.trim(0.6 * accept);
+        completion.trim(0.8 * options.accept);
         if (completion.map().count <= before + 2) break;
     }
-    completion.extend(accept);
-    completion.trim(0.8 * accept);
+    completion.extend(lenient);
+    completion.trim(options.accept);
 }
 
 }  // namespace
 
-Blended blend(const Pair& pair, const PatchSettings& settings, const std::vector<Patch>& patches, Monitor& monitor,
-              double from, double to) {
-    Blended result;
-    result.map = PartialMap(pair.source.samples.count());
-    const std::vector<Core> cores = find_cores(patches, settings.blend);
-    if (cores.empty()) {
-        result.risk.assign(pair.source.samples.count(), 0.0);
-        return result;
-    }
+std::vector<Blended> blend(const Pair& pair, const PatchSettings& settings, const std::vector<Patch>& patches,
+                           const std::vector<Core>& cores, Monitor& monitor, double from, double to) {
     std::vector<Contender> contenders(cores.size());
     Trials trials(pair, settings, 2 * settings.seed.probe_size);
     const double middle = from + 0.6 * (to - from);
@@ -95,24 +121,24 @@ Blended blend(const Pair& pair, const PatchSettings& settings, const std::vector
             complete(contenders[i], cores[i], pair, settings);
         },
         monitor, "blend", from, middle);
-    std::size_t best = 0;
-    for (std::size_t i = 1; i < contenders.size(); ++i) {
-        if (contenders[i].score > contenders[best].score) best = i;
+    const std::vector<std::size_t> ranked = rank(contenders, settings.blend);
+    std::vector<Blended> result(std::max<std::size_t>(1, ranked.size()));
+    parallel_for(
+        static_cast<int>(ranked.size()), settings.threads,
+        [&](int i, int /*worker*/) {
+            Contender& chosen = contenders[ranked[i]];
+            Completion& completion = *chosen.completion;
+            completion.hear(witnesses(contenders, ranked[i], settings.blend.agreement_radius));
+            completion.map() = chosen.careful;
+            extend_carefully(completion, settings.blend);
+            completion.place_anchors();
+            result[i] = {completion.map(), completion.doubts(), chosen.quality, chosen.score, cores[ranked[i]].count};
+        },
+        monitor, "blend", middle, to);
+    if (ranked.empty()) {
+        result[0].map = PartialMap(pair.source.samples.count());
+        result[0].risk.assign(pair.source.samples.count(), 0.0);
     }
-    result.quality = contenders[best].quality;
-    result.maps_in_core = cores[best].count;
-    if (result.quality.mismatch > most_mismatch || result.quality.curvature < least_curvature) {
-        result.risk.assign(pair.source.samples.count(), 0.0);
-        monitor.report("blend", to);
-        return result;
-    }
-    Completion& completion = *contenders[best].completion;
-    completion.hear(witnesses(contenders, best, settings.blend.agreement_radius));
-    extend_carefully(completion, settings.blend.accept);
-    completion.place_anchors();
-    result.risk = completion.ring_risk();
-    result.map = completion.map();
-    monitor.report("blend", to);
     return result;
 }
 

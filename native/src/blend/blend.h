@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "blend/choice.h"
+#include "blend/core.h"
 #include "growth/patches.h"
 
 namespace isograft {
@@ -11,17 +12,22 @@ namespace isograft {
 /// One map out of many.
 struct Blended {
     PartialMap map;
-    /// Per sample the risk averaged over its ring (see Completion::ring_risk); 0 where unmapped.
+    /// Per sample the probability that its image is wrong (see Completion::doubts); 0 where unmapped.
     std::vector<double> risk;
     /// Of the map before careful trimming, by which it was chosen.
     MapQuality quality;
+    /// By which it was chosen, see choice_score().
+    double score = 0.0;
     int maps_in_core = 0;
 };
 
 /// Complete the strongest cores, choose one, and carry it carefully into the rest (DESIGN section 3, stage 7).
 ///
-/// The map is empty where even the best core fits the surfaces no better than chance.
-Blended blend(const Pair& pair, const PatchSettings& settings, const std::vector<Patch>& patches, Monitor& monitor,
-              double from, double to);
+/// \param cores those of find_cores(), the strongest first.
+/// \return the chosen map, empty where even the best core fits the surfaces no better than chance; after it those that
+/// contradict it and score nearly as high, by falling score: the surfaces map onto themselves, and it is open which of
+/// them is meant.
+std::vector<Blended> blend(const Pair& pair, const PatchSettings& settings, const std::vector<Patch>& patches,
+                           const std::vector<Core>& cores, Monitor& monitor, double from, double to);
 
 }  // namespace isograft

@@ -12,6 +12,8 @@ namespace isograft {
 
 namespace {
 
+// What a wrong sample costs in right ones.
+constexpr double price = 4.0;
 // Surroundings that a bent joint does not yet take out of shape.
 constexpr double rigid_reach = 0.16;
 
@@ -61,7 +63,8 @@ struct Moments {
 
 }  // namespace
 
-MapQuality measure_quality(const Pair& pair, const FeatureOptions& options, const PartialMap& map) {
+MapQuality measure_quality(const Pair& pair, const FeatureOptions& options, const PartialMap& map,
+                           const std::vector<double>& doubts) {
     MapQuality quality;
     const Samples& source = pair.source.samples;
     Moments moments;
@@ -72,6 +75,7 @@ MapQuality measure_quality(const Pair& pair, const FeatureOptions& options, cons
         if (!map.mapped[s]) continue;
         const double w = source.area[s];
         area += w;
+        quality.expected += w * std::max(0.0, 1.0 - price * doubts[s]);
         quality.mismatch += w * mismatch(pair, options, s, map.image[s], map.rotation[s]);
         const double a = field_at(pair.source.mesh, pair.source_curvature, source.point[s]);
         const double b = field_at(pair.target.mesh, pair.target_curvature, map.image[s]);
@@ -82,16 +86,15 @@ MapQuality measure_quality(const Pair& pair, const FeatureOptions& options, cons
         }
     }
     quality.coverage = std::min(1.0, area / pair.source.mesh.area);
+    quality.expected /= std::max(area, pair.source.mesh.area);
     quality.mismatch /= std::max(1e-300, area);
     quality.curvature = moments.correlation();
     quality.rigidity = residual / std::max(1, rigid);
     return quality;
 }
 
-double choice_score(const MapQuality& quality, double vote) {
-    const double fit = std::max(0.0, 1.0 - quality.mismatch);
-    const double rigid = std::max(0.05, 1.0 - 3.0 * quality.rigidity);
-    return quality.coverage * std::max(0.01, quality.curvature) * fit * rigid * std::pow(std::max(vote, 1e-12), 0.25);
+double choice_score(const MapQuality& quality) {
+    return quality.expected * std::sqrt(std::max(0.05, 1.0 - 3.0 * quality.rigidity));
 }
 
 }  // namespace isograft

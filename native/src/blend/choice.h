@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <vector>
+
 #include "growth/patches.h"
 
 namespace isograft {
@@ -15,11 +17,16 @@ struct MapQuality {
     double curvature = 0.0;
     /// Mean relative residual of the best rigid motion of each sample's surroundings.
     double rigidity = 0.0;
+    /// Share of S's area that is expected to be mapped rightly, where doubt counts four times.
+    double expected = 0.0;
 };
 
-MapQuality measure_quality(const Pair& pair, const FeatureOptions& options, const PartialMap& map);
+/// \param doubts per sample the probability that its image is wrong, see Completion::doubts().
+MapQuality measure_quality(const Pair& pair, const FeatureOptions& options, const PartialMap& map,
+                           const std::vector<double>& doubts);
 
-/// The score by which one of several contradicting cores is chosen; higher is better.
-double choice_score(const MapQuality& quality, double vote);
+/// The score by which one of several contradicting cores is chosen; higher is better. What is expected to be right, and
+/// how nearly rigid it is: a body bends at joints, a wrong map everywhere.
+double choice_score(const MapQuality& quality);
 
 }  // namespace isograft

@@ -11,11 +11,16 @@ namespace isograft {
 namespace {
 // A candidate's whole patch must fit the anchors better than its seed alone had to.
 constexpr double patch_strictness = 0.7;
-constexpr double anchor_weight = 5.0;
 constexpr double compatible_reach = 0.12;
-// What another map's word is worth in units of risk.
-constexpr double unconfirmed = 0.2;
-constexpr double contradicted = 0.6;
+// What another map's word is worth in log-odds.
+constexpr double unconfirmed = 0.3;
+constexpr double contradicted = 1.0;
+
+// A few small holes bend hardly any path.
+bool is_whole(const TriangleMesh& mesh) {
+    const auto open = std::count(mesh.on_boundary.begin(), mesh.on_boundary.end(), 1);
+    return 100 * open < mesh.vertex_count();
+}
 }  // namespace
 
 Completion::Completion(const Pair& pair, const PatchSettings& settings, const std::vector<Patch>& patches,
@@ -26,7 +31,9 @@ Completion::Completion(const Pair& pair, const PatchSettings& settings, const st
       monitor_(monitor),
       grower_(pair.source.samples, pair.target, settings.growth),
       anchors_(pair),
-      map_(pair.source.samples.count()) {
+      map_(pair.source.samples.count()),
+      support_(patches, pair.source.samples.count(), settings.blend.agreement_radius, settings.blend.decay),
+      whole_(is_whole(pair.source.mesh) && is_whole(pair.target.mesh)) {
     for (const Patch& p : patches) patches_.push_back(&p);
 }
 
@@ -151,37 +158,48 @@ bool Completion::second_pass() {
     return map_.count > before + 2;
 }
 
-double Completion::risk(int sample, const SurfacePoint& point, Complex rotation) const {
-    double result = mismatch(pair_, settings_.feature, sample, point, rotation) +
-                    anchor_weight * anchors_.incompatibility(sample, point);
-    if (witnesses_.empty()) return result;
+Evidence Completion::evidence(int sample, const SurfacePoint& point, Complex rotation) const {
+    const double squash = settings_.feature.squash;
+    const double on_source = field_at(pair_.source.mesh, pair_.source_curvature, pair_.source.samples.point[sample]);
+    const double on_target = field_at(pair_.target.mesh, pair_.target_curvature, point);
     const Eigen::Vector3d x = position(pair_.target.mesh, point);
+    Evidence result;
+    result.mismatch = mismatch(pair_, settings_.feature, sample, point, rotation);
+    result.incompatibility = anchors_.incompatibility(sample, point);
+    result.curvature = std::abs(std::atan(squash * on_source) - std::atan(squash * on_target));
+    result.support = support_.share(sample, x);
+    result.whole = whole_;
     for (const PartialMap& w : witnesses_) {
         const bool speaks = w.mapped[sample] != 0;
         if (speaks && (w.position[sample] - x).norm() < settings_.blend.agreement_radius) continue;
-        result += speaks ? contradicted : unconfirmed;
+        result.hearsay += speaks ? contradicted : unconfirmed;
     }
     return result;
 }
 
-std::vector<double> Completion::ring_risk() const {
+std::vector<double> Completion::doubts() const {
     const Samples& source = pair_.source.samples;
-    std::vector<double> own(source.count(), 0.0);
+    std::vector<Evidence> own(source.count());
     for (int s = 0; s < source.count(); ++s) {
-        if (map_.mapped[s]) own[s] = risk(s, map_.image[s], map_.rotation[s]);
+        if (map_.mapped[s]) own[s] = evidence(s, map_.image[s], map_.rotation[s]);
     }
     std::vector<double> result(source.count(), 0.0);
     for (int s = 0; s < source.count(); ++s) {
         if (!map_.mapped[s]) continue;
-        double sum = own[s];
+        Evidence ring = own[s];
         int count = 1;
         for (const int e : source.base_edges_of[s]) {
             const int other = source.edges[e].other(s);
             if (!map_.mapped[other]) continue;
-            sum += own[other];
+            ring.mismatch += own[other].mismatch;
+            ring.incompatibility += own[other].incompatibility;
+            ring.curvature += own[other].curvature;
             ++count;
         }
-        result[s] = sum / count;
+        ring.mismatch /= count;
+        ring.incompatibility /= count;
+        ring.curvature /= count;
+        result[s] = doubt(ring);
     }
     return result;
 }
@@ -198,8 +216,8 @@ void Completion::extend(double accept) {
         return mismatch(pair_, settings_.feature, s, p, turn);
     };
     run.mismatch_weight = 0.3;
-    if (std::isfinite(accept)) {
-        run.refuse = [&](int s, const SurfacePoint& p, Complex turn) { return risk(s, p, turn) > accept; };
+    if (accept < 1.0) {
+        run.refuse = [&](int s, const SurfacePoint& p, Complex turn) { return doubt(evidence(s, p, turn)) > accept; };
     }
     monitor_.check();
     grower_.grow(map_, run);
@@ -208,9 +226,9 @@ void Completion::extend(double accept) {
 
 void Completion::trim(double limit) {
     if (!place_anchors()) return;
-    const std::vector<double> risks = ring_risk();
-    for (std::size_t s = 0; s < risks.size(); ++s) {
-        if (map_.mapped[s] && risks[s] > limit) map_.drop(static_cast<int>(s));
+    const std::vector<double> doubtful = doubts();
+    for (std::size_t s = 0; s < doubtful.size(); ++s) {
+        if (map_.mapped[s] && doubtful[s] > limit) map_.drop(static_cast<int>(s));
     }
 }
 

@@ -6,6 +6,7 @@
 
 #include "blend/anchors.h"
 #include "blend/core.h"
+#include "blend/doubt.h"
 #include "blend/trials.h"
 #include "growth/grow.h"
 
@@ -25,20 +26,21 @@ class Completion {
     /// them, and old patches that fit after all, are merged in. \return whether the map gained.
     bool second_pass();
 
-    /// Grow the map outward. A sample is refused where its risk (see risk()) exceeds `accept`.
+    /// Grow the map outward. A sample is refused where its doubt() exceeds `accept`; 1 refuses none.
     void extend(double accept);
 
-    /// Drop samples whose risk, averaged with that of their mapped neighbours, exceeds `limit`.
+    /// Drop samples whose doubt exceeds `limit`, by the evidence of themselves and their mapped neighbours.
     void trim(double limit);
 
-    /// Mismatch + 5 x incompatibility with the anchors of a sample at a place; about 0.3 where right. Stretch says
-    /// nothing here: the least squares hides it. The anchors are those of the last call of place_anchors().
-    [[nodiscard]] double risk(int sample, const SurfacePoint& point, Complex rotation) const;
-    /// risk() of every mapped sample averaged over itself and its mapped neighbours; 0 where unmapped.
-    [[nodiscard]] std::vector<double> ring_risk() const;
+    /// What speaks for and against a sample at a place. Stretch says nothing here: the least squares hides it. The
+    /// anchors are those of the last call of place_anchors().
+    [[nodiscard]] Evidence evidence(int sample, const SurfacePoint& point, Complex rotation) const;
+    /// Per sample the probability that its image is wrong, by the mean evidence of itself and its mapped neighbours; 0
+    /// where unmapped.
+    [[nodiscard]] std::vector<double> doubts() const;
     bool place_anchors();
 
-    /// Maps grown from other patches. Where one is silent on a sample the risk rises, more where it contradicts.
+    /// Maps grown from other patches. Where one is silent on a sample doubt rises, more where it contradicts.
     void hear(std::vector<PartialMap> witnesses) { witnesses_ = std::move(witnesses); }
 
     [[nodiscard]] const PartialMap& map() const { return map_; }
@@ -66,6 +68,8 @@ class Completion {
     std::vector<const Patch*> patches_;
     std::vector<double> weights_;
     std::deque<Patch> own_;
+    Support support_;
+    bool whole_;
     std::vector<PartialMap> witnesses_;
 };
 

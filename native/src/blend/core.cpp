@@ -24,7 +24,9 @@ void BlendOptions::validate() const {
     require(rounds >= 0 && rounds <= 100, "rounds must be in [0, 100]");
     require(anchors >= 3 && anchors <= 64, "anchors must be in [3, 64]");
     require(max_incompatibility > 0.0 && std::isfinite(max_incompatibility), "max_incompatibility must be positive");
-    require(accept > 0.0 && std::isfinite(accept), "accept must be positive");
+    require(accept > 0.0 && accept <= 1.0, "accept must be in (0, 1]");
+    require(careful_rounds >= 0 && careful_rounds <= 100, "careful_rounds must be in [0, 100]");
+    require(alternative >= 0.0 && alternative <= 1.0, "alternative must be in [0, 1]; 1 keeps none");
 }
 
 namespace {

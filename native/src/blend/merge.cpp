@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <numeric>
+#include <queue>
 
 #include "geodesic/trace.h"
 
@@ -124,11 +127,65 @@ std::vector<int> continuous_parts(const PartialMap& map, const Pair& pair) {
     return label;
 }
 
+namespace {
+
+/// The way from the largest part to a sample over unmapped ones, and where it began.
+struct Bridge {
+    double length = std::numeric_limits<double>::max();
+    int from = -1;
+};
+
+// Shortest bridges to every sample within `reach`; they end at the first mapped sample of another part.
+std::vector<Bridge> bridges(const Samples& source, const std::vector<int>& part, double reach) {
+    std::vector<Bridge> bridge(source.count());
+    using Item = std::pair<double, int>;
+    std::priority_queue<Item, std::vector<Item>, std::greater<>> queue;
+    for (int s = 0; s < source.count(); ++s) {
+        if (part[s] != 0) continue;
+        bridge[s] = {0.0, s};
+        queue.emplace(0.0, s);
+    }
+    while (!queue.empty()) {
+        const auto [length, u] = queue.top();
+        queue.pop();
+        if (length > bridge[u].length || part[u] > 0) continue;
+        for (const int e : source.base_edges_of[u]) {
+            const int v = source.edges[e].other(u);
+            const double through = length + source.edges[e].length;
+            if (part[v] == 0 || through > reach || through >= bridge[v].length) continue;
+            bridge[v] = {through, bridge[u].from};
+            queue.emplace(through, v);
+        }
+    }
+    return bridge;
+}
+
+// Per part whether most of its bridges are shorter on S than the straight line between their ends' images: no path of
+// that length leads there on T.
+std::vector<char> out_of_reach(const PartialMap& map, const Samples& source, const std::vector<int>& part, int count) {
+    constexpr double widest_gap = 10.0;
+    std::vector<int> said(count, 0);
+    std::vector<int> denied(count, 0);
+    const std::vector<Bridge> bridge = bridges(source, part, widest_gap * source.spacing);
+    for (int s = 0; s < source.count(); ++s) {
+        if (part[s] <= 0 || bridge[s].from < 0) continue;
+        const double apart = (map.position[s] - map.position[bridge[s].from]).norm();
+        ++said[part[s]];
+        denied[part[s]] += apart > 1.2 * bridge[s].length + source.spacing ? 1 : 0;
+    }
+    std::vector<char> result(count, 0);
+    for (int p = 1; p < count; ++p) result[p] = 2 * denied[p] > said[p] ? 1 : 0;
+    return result;
+}
+
+}  // namespace
+
 int drop_torn_parts(PartialMap& map, const Pair& pair) {
     const std::vector<int> part = continuous_parts(map, pair);
     const int count = part.empty() ? 0 : 1 + *std::max_element(part.begin(), part.end());
     std::vector<int> size(std::max(count, 0), 0);
     std::vector<int> torn(std::max(count, 0), 0);
+    const std::vector<char> unreachable = out_of_reach(map, pair.source.samples, part, std::max(count, 0));
     for (const int p : part) {
         if (p >= 0) ++size[p];
     }
@@ -141,7 +198,7 @@ int drop_torn_parts(PartialMap& map, const Pair& pair) {
     int dropped = 0;
     for (std::size_t s = 0; s < part.size(); ++s) {
         // A small part is a stray sample or two; a large one needs more than a touch.
-        if (part[s] > 0 && torn[part[s]] > 1 + size[part[s]] / 40) {
+        if (part[s] > 0 && (torn[part[s]] > 1 + size[part[s]] / 40 || unreachable[part[s]])) {
             map.drop(static_cast<int>(s));
             ++dropped;
         }

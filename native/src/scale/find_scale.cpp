@@ -30,6 +30,8 @@ constexpr int target_points = 600;
 constexpr double smoothing_time = 4e-4;
 // Two readings nearer than this agree.
 constexpr double agreement = 0.07;
+// A reading this near an exact ratio means that one: should it not, the seeds' distances tell later.
+constexpr double snap = 0.1;
 
 // Random points, evenly by area.
 std::vector<SurfacePoint> scatter(const TriangleMesh& mesh, int count, Random& random) {
@@ -145,7 +147,7 @@ ScaleVotes vote_scale(const TriangleMesh& source, const TriangleMesh& target, co
 
 bool votes_agree(const ScaleVotes& votes) { return near(votes.by_fit, votes.by_vote, agreement); }
 
-std::vector<double> scale_candidates(const ScaleVotes& votes, double root_of_area_ratio) {
+std::vector<double> scale_candidates(const ScaleVotes& votes, const std::vector<double>& exact) {
     std::vector<double> heard{votes.by_fit};
     if (votes_agree(votes)) {
         heard[0] = std::sqrt(votes.by_fit * votes.by_vote);
@@ -158,22 +160,16 @@ std::vector<double> scale_candidates(const ScaleVotes& votes, double root_of_are
             std::any_of(candidates.begin(), candidates.end(), [&](double c) { return near(c, ratio, 0.015); });
         if (!known) candidates.push_back(ratio);
     };
-    // Exact ratios beat measured ones: a common unit, or two whole surfaces of one area.
+    // Exact ratios beat measured ones.
     bool confirmed = heard.size() == 1;
     for (const double h : heard) {
-        bool exact = false;
-        for (const double ratio : {1.0, root_of_area_ratio}) {
-            if (!near(ratio, h, agreement)) continue;
-            add(ratio);
-            exact = true;
-        }
-        if (!exact) add(h);
-        confirmed = confirmed && exact;
+        const auto found = std::find_if(exact.begin(), exact.end(), [&](double e) { return near(e, h, snap); });
+        add(found != exact.end() ? *found : h);
+        confirmed = confirmed && found != exact.end();
     }
     // Doubtful votes do not rule the exact ones out.
     if (!confirmed) {
-        add(1.0);
-        add(root_of_area_ratio);
+        for (const double ratio : exact) add(ratio);
     }
     return candidates;
 }

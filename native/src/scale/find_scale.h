@@ -32,8 +32,8 @@ ScaleVotes vote_scale(const TriangleMesh& source, const TriangleMesh& target, co
 /// Both readings say the same.
 bool votes_agree(const ScaleVotes& votes);
 
-/// Ratios worth trying: 1 and the root of the areas' ratio where the votes confirm them, else the votes themselves and
-/// those two besides.
-std::vector<double> scale_candidates(const ScaleVotes& votes, double root_of_area_ratio);
+/// Ratios worth trying: exact ones where the votes confirm them, else the votes themselves and the exact ones besides.
+/// \param exact likely ratios, the likelier first: a common unit, two whole surfaces of one area.
+std::vector<double> scale_candidates(const ScaleVotes& votes, const std::vector<double>& exact);
 
 }  // namespace isograft

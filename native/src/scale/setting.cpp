@@ -82,13 +82,23 @@ struct Choice {
     ScaleVotes votes{};
 };
 
-// Whether the votes of one side leave nothing to be said for the other.
-bool outvoted(const ScaleVotes& loser, const ScaleVotes& winner, bool is_given) {
+// Whether the votes leave nothing to be said for turning open parts over. The winding as given is never ruled out by
+// votes: it is seldom wrong, and windows full of holes can fit anything.
+bool outvoted(const ScaleVotes& turned, const ScaleVotes& given) {
     constexpr double clearly = 0.8;
-    const bool fits_better = winner.fit < clearly * loser.fit;
-    const bool surer = votes_agree(winner) && !votes_agree(loser);
-    // A winding as given is seldom wrong, so it takes both to rule it out.
-    return is_given ? fits_better && surer : (fits_better && votes_agree(winner)) || surer;
+    const bool fits_better = given.fit < clearly * turned.fit;
+    return votes_agree(given) && (fits_better || !votes_agree(turned));
+}
+
+// A common unit; and of two whole surfaces their size, since what keeps distances keeps areas.
+std::vector<double> exact_ratios(const Side& source, const Side& target) {
+    const Surface& s = source.surface;
+    const Surface& t = target.surface;
+    std::vector<double> ratios{1.0};
+    const double root = std::sqrt(t.mesh().area / s.mesh().area);
+    constexpr double same = 0.03;
+    if (s.is_closed() && t.is_closed() && std::abs(std::log(root)) > same) ratios.insert(ratios.begin(), root);
+    return ratios;
 }
 
 std::vector<Choice> possible_settings(const std::vector<const Side*>& sources, const std::vector<const Side*>& targets,
@@ -108,17 +118,10 @@ std::vector<Choice> possible_settings(const std::vector<const Side*>& sources, c
     }
     note(report, "scale", watch.lap(), 0);
     if (!automatic) return sides;
-    if (sides.size() == 2) {
-        if (outvoted(sides[1].votes, sides[0].votes, false)) {
-            sides.pop_back();
-        } else if (outvoted(sides[0].votes, sides[1].votes, true)) {
-            sides.erase(sides.begin());
-        }
-    }
+    if (sides.size() == 2 && outvoted(sides[1].votes, sides[0].votes)) sides.pop_back();
     std::vector<Choice> choices;
     for (Choice side : sides) {
-        const double root = std::sqrt(side.target->surface.mesh().area / side.source->surface.mesh().area);
-        for (const double scale : scale_candidates(side.votes, root)) {
+        for (const double scale : scale_candidates(side.votes, exact_ratios(*side.source, *side.target))) {
             side.setting.scale = scale;
             choices.push_back(side);
         }
@@ -163,8 +166,10 @@ PreparedPair prepare_pair(const Surface& source, const Surface& target, const Ma
         Stopwatch watch;
         const double quality = probe_setting(prepared.pair, options, monitor, begin + 0.8 * step);
         note(report, "scale", watch.lap(), 0);
-        // The earlier setting is the likelier one beforehand.
-        if (!best || quality < 0.99 * best_quality) {
+        // The earlier setting is the likelier one beforehand, a winding as given much more so.
+        const Setting& setting = settings[i].setting;
+        const bool turned = setting.source_reversed || setting.target_reversed;
+        if (!best || quality < (turned ? 0.85 : 0.95) * best_quality) {
             best = std::move(prepared);
             best_quality = quality;
         }

@@ -23,6 +23,8 @@ std::vector<ComponentSide> component_sides(const std::vector<Eigen::Vector3d>& p
                                            int count) {
     std::vector<ComponentSide> sides(count);
     std::vector<int> origin(count, -1);
+    std::vector<Eigen::Vector3d> centroid(count, Eigen::Vector3d::Zero());
+    std::vector<Eigen::Vector3d> vector_area(count, Eigen::Vector3d::Zero());
     for (std::size_t f = 0; f < face.size(); ++f) {
         ComponentSide& side = sides[component[f]];
         int& o = origin[component[f]];
@@ -30,8 +32,15 @@ std::vector<ComponentSide> component_sides(const std::vector<Eigen::Vector3d>& p
         const Eigen::Vector3d a = position[face[f][0]] - position[o];
         const Eigen::Vector3d b = position[face[f][1]] - position[o];
         const Eigen::Vector3d c = position[face[f][2]] - position[o];
-        side.area += 0.5 * (b - a).cross(c - a).norm();
+        const Eigen::Vector3d normal = 0.5 * (b - a).cross(c - a);
+        const double area = normal.norm();
+        side.area += area;
         side.volume += a.dot(b.cross(c)) / 6.0;
+        centroid[component[f]] += area * (a + b + c) / 3.0;
+        vector_area[component[f]] += normal;
+    }
+    for (int i = 0; i < count; ++i) {
+        sides[i].bulge = sides[i].volume - centroid[i].dot(vector_area[i]) / (3.0 * std::max(sides[i].area, 1e-300));
     }
     const Edges edges = collect_edges(face);
     std::vector<std::pair<int, int>> runs;

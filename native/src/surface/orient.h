@@ -15,6 +15,9 @@ struct ComponentSide {
     double area = 0.0;
     /// Signed, about a point of the component itself; positive if the normals point outward.
     double volume = 0.0;
+    /// The same about the component's centroid, which an open component has too: clearly positive where it bulges
+    /// towards the side it shows, whatever is missing of it.
+    double bulge = 0.0;
     /// The triangles bound a volume: they run along every edge equally often both ways, and the volume is not zero.
     bool closed = true;
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "isograft/surface.h"
 
+#include <cmath>
 #include <utility>
 
 #include "surface/clean.h"
@@ -13,6 +14,8 @@ namespace {
 
 // Smaller open parts are too little to be worth trying both ways.
 constexpr double ambiguous_share = 0.05;
+// An open part that bulges outward by this much of its area to the power of 3/2 (a sphere: 0.094) shows its outer side.
+constexpr double clear_bulge = 0.01;
 
 // The repaired triangles by the indices they had before vertices were split: cut edges show there as what they are.
 std::vector<Corners> input_corners(const TriangleMesh& mesh) {
@@ -48,7 +51,9 @@ Surface Surface::from_mesh(Points vertices, Triangles faces) {
          "vertices were split where the surface touches itself.");
     for (const ComponentSide& side :
          component_sides(soup.position, input_corners(*mesh), mesh->component, mesh->component_count)) {
-        surface.ambiguous_ = surface.ambiguous_ || (!side.closed && side.area > ambiguous_share * mesh->area);
+        const bool clear = side.closed || side.bulge > clear_bulge * std::pow(side.area, 1.5);
+        surface.ambiguous_ = surface.ambiguous_ || (!clear && side.area > ambiguous_share * mesh->area);
+        surface.closed_ = surface.closed_ && (side.closed || side.area < ambiguous_share * mesh->area);
     }
     surface.vertices_ = std::move(vertices);
     surface.faces_ = std::move(faces);

@@ -66,26 +66,26 @@ bool has(const std::vector<double>& candidates, double ratio) {
 }
 
 TEST(ScaleCandidates, TakeACommonUnitExactlyWhereTheVotesConfirmIt) {
-    const auto found = scale_candidates({1.01, 0.99, 0.3}, 0.6);
+    const auto found = scale_candidates({1.01, 0.99, 0.3}, {0.6, 1.0});
     ASSERT_EQ(found.size(), 1U);
     EXPECT_EQ(found[0], 1.0);
 }
 
 TEST(ScaleCandidates, TakeTheAreasExactlyWhereTheVotesConfirmThem) {
-    const auto found = scale_candidates({1.99, 2.02, 0.3}, 2.0);
+    const auto found = scale_candidates({1.99, 2.02, 0.3}, {2.0, 1.0});
     ASSERT_EQ(found.size(), 1U);
     EXPECT_EQ(found[0], 2.0);
 }
 
 TEST(ScaleCandidates, HoldVotesThatAgreeAndTheExactRatiosThatTheyDoNotConfirm) {
-    const auto found = scale_candidates({3.0, 3.0, 0.3}, 2.0);
+    const auto found = scale_candidates({3.0, 3.0, 0.3}, {2.0, 1.0});
     EXPECT_NEAR(found.at(0), 3.0, 1e-12);
     EXPECT_TRUE(has(found, 1.0));
     EXPECT_TRUE(has(found, 2.0));
 }
 
 TEST(ScaleCandidates, HoldBothVotesWhereTheyDisagree) {
-    const auto found = scale_candidates({0.5, 1.7, 0.3}, 1.2);
+    const auto found = scale_candidates({0.5, 1.7, 0.3}, {1.2, 1.0});
     for (const double ratio : {0.5, 1.7, 1.0, 1.2}) EXPECT_TRUE(has(found, ratio)) << ratio;
 }
 

@@ -23,8 +23,12 @@ struct BlendOptions {
     int anchors = 14;
     /// Largest mean relative difference of anchor distances of such a candidate.
     double max_incompatibility = 0.22;
-    /// Largest risk of a sample that the last extension adds: mismatch + 5 x incompatibility with the anchors.
-    double accept = 1.5;
+    /// Largest probability of being wrong at which a sample stays in the map. Less of it buys precision with coverage.
+    double accept = 0.3;
+    /// Rounds of careful extension with second passes before the last one.
+    int careful_rounds = 3;
+    /// A map that contradicts the best is kept as an alternative if it scores more than this share of it.
+    double alternative = 0.75;
 
     template <class Visitor>
     void visit(Visitor&& visitor) {
@@ -38,6 +42,8 @@ struct BlendOptions {
         visitor("anchors", anchors);
         visitor("max_incompatibility", max_incompatibility);
         visitor("accept", accept);
+        visitor("careful_rounds", careful_rounds);
+        visitor("alternative", alternative);
     }
 
     /// \throw InvalidInput naming the first field that is out of range.

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "blend/doubt.h"
+
+#include <cmath>
+
+namespace isograft {
+
+double doubt(const Evidence& e) {
+    const double distances = std::log(0.01 + e.incompatibility);
+    double odds = e.hearsay;
+    if (e.whole) {
+        odds += 6.05 + 1.89 * distances - 3.40 * e.support;
+    } else {
+        odds += 6.44 + 0.96 * distances + 1.04 * std::log(0.05 + e.mismatch) + 1.18 * std::log(0.01 + e.curvature) -
+                3.07 * e.support;
+    }
+    return 1.0 / (1.0 + std::exp(-odds));
+}
+
+Support::Support(const std::vector<Patch>& patches, int samples, double radius, double decay)
+    : says_(samples), radius_(radius) {
+    for (const Patch& patch : patches) {
+        const PartialMap& map = patch.map;
+        for (int s = 0; s < samples; ++s) {
+            if (!map.mapped[s]) continue;
+            const double weight = std::exp(-2.0 * patch.quality - map.seed_distance[s] / (2.0 * decay));
+            says_[s].push_back({map.position[s], weight});
+        }
+    }
+}
+
+double Support::share(int sample, const Eigen::Vector3d& x) const {
+    // Little weight on both sides is no evidence.
+    constexpr double prior = 0.05;
+    double all = 2.0 * prior;
+    double here = prior;
+    for (const Say& say : says_[sample]) {
+        all += say.weight;
+        if ((say.position - x).squaredNorm() < radius_ * radius_) here += say.weight;
+    }
+    return here / all;
+}
+
+}  // namespace isograft
