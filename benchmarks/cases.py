@@ -29,6 +29,8 @@ class Case:
     truth: Truth | None
     #: A truth of -1 says that the vertex has no counterpart, and not that none is known.
     unmatched_is_truth: bool
+    #: The mesh that the target's points were taken from; errors are measured on it. None: on the target itself.
+    measured_on: Shape | None = None
 
     @property
     def size(self) -> int:
@@ -80,7 +82,7 @@ def reversed_case(case: Case, *, unknown: bool) -> Case:
 
     known = truth.known
     positions = np.zeros((len(known), 3))
-    positions[known] = true_images(truth, case.target)[known]
+    positions[known] = trueimages_of(truth, case.target)[known]
     kept = np.flatnonzero(known[faces].all(axis=1))
     if not len(kept):
         raise InvalidInput("the truth cannot be turned round: no source triangle has three known corners")
@@ -110,7 +112,7 @@ def _read_truth(data: Path, pair: dict[str, str], source_size: int, target_size:
     raise InvalidInput(f"gt_kind {kind!r} is none of identity, vertex, none")
 
 
-def true_images(truth: Truth, target: Shape) -> Floats:
+def trueimages_of(truth: Truth, target: Shape) -> Floats:
     """(n, 3) true images; anything where there is none."""
     if truth.face is None:
         assert truth.vertex is not None

@@ -16,11 +16,14 @@ import numpy as np
 from isograft.evaluation import evaluate
 
 from benchmarks.cases import read_case
-from benchmarks.methods import cost_unit, find
+from benchmarks.methods import cost_unit, find, on_mesh
+from benchmarks.sampling import with_points
 
 
 def run_request(request: dict[str, Any]) -> dict[str, Any]:
     case = read_case(Path(request["data"]), request["pair"], reverse=request["reverse"], rotation=request["rotation"])
+    if request.get("as_points"):
+        case = with_points(case, request["as_points"], request["points"])
     row: dict[str, Any] = {"source_vertices": len(case.source[0]), "target_vertices": len(case.target[0])}
     if request["method"] != "isograft" and case.size > request["peer_limit"]:
         return {**row, "status": "skipped"}
@@ -34,14 +37,15 @@ def run_request(request: dict[str, Any]) -> dict[str, Any]:
     row.update(found.details)
     if case.truth is None:
         row["measured"] = False
-        row["matched"] = int((found.correspondence.face >= 0).sum())
+        row["matched"] = int(np.isfinite(found.correspondence.points).all(axis=1).sum())
     else:
         row["measured"] = True
         started = time.perf_counter()
+        target = case.target if case.measured_on is None else case.measured_on
         measured = evaluate(
-            found.correspondence,
+            found.correspondence if case.measured_on is None else on_mesh(found.correspondence, case.measured_on),
             case.truth,
-            case.target,
+            target,
             samples=request["samples"],
             unmatched_is_truth=case.unmatched_is_truth,
         )

@@ -118,6 +118,20 @@ def _at_vertices(images: npt.NDArray[np.int64], target: Shape) -> VertexMap:
     return VertexMap(face, weights, vertices[images])
 
 
+def on_mesh(correspondence: SurfacePoints, mesh: Shape) -> VertexMap:
+    """Images given as points, put onto a mesh."""
+    vertices, faces = mesh
+    assert faces is not None
+    points = np.asarray(correspondence.points)
+    matched = np.isfinite(points).all(axis=1)
+    face = np.full(len(points), -1, np.int32)
+    weights = np.full((len(points), 3), np.nan)
+    images = np.full((len(points), 3), np.nan)
+    face[matched], weights[matched], _ = closest_points(points[matched], vertices, faces)
+    images[matched] = np.einsum("ij,ijk->ik", weights[matched], vertices[faces[face[matched]]])
+    return VertexMap(face, weights, images)
+
+
 def cost_unit(case: Case, report: isograft.Report, windows: int = 20, seed: int = 0) -> float:
     """Seconds of one full geodesic window from every sample of both surfaces, on one thread.
 

@@ -37,6 +37,8 @@ class Options:
     samples: int
     preset: str
     overrides: dict[str, Any]
+    as_points: str | None
+    points: int
     fresh: bool
     #: Names of all pairs, in the order in which they are to be told.
     order: list[str]
@@ -44,7 +46,9 @@ class Options:
     @property
     def settings(self) -> dict[str, Any]:
         """What a result depends on beside the build; rows with others cannot stand in one table."""
-        return {"preset": self.preset, "overrides": self.overrides, "samples": self.samples}
+        settings = {"preset": self.preset, "overrides": self.overrides, "samples": self.samples}
+        # Only where it is asked for: results kept from before stay comparable.
+        return settings | ({"as_points": self.as_points, "points": self.points} if self.as_points else {})
 
     @property
     def methods(self) -> list[str]:
@@ -67,6 +71,8 @@ class Options:
             "samples",
             "preset",
             "overrides",
+            "as_points",
+            "points",
         )
         return {"pairs": len(self.pairs), **{name: getattr(self, name) for name in names}}
 
@@ -98,6 +104,9 @@ def parse_options(arguments: list[str], root: Path) -> Options:
     parser.add_argument("--limit", metavar="SECONDS", type=float, default=1800.0, help="per pair (default: 1800)")
     parser.add_argument("--repeats", metavar="N", type=_count(1), default=1, help="runs of match() for the median time")
     parser.add_argument("--samples", metavar="N", type=_count(1), default=250, help="vertices measured per pair")
+    parser.add_argument("--as-points", choices=("source", "target", "both"),
+                        help="sample this side of a pair of meshes to points")  # fmt: skip
+    parser.add_argument("--points", metavar="N", type=_count(50), default=8000, help="of --as-points (default: 8000)")
     parser.add_argument("--fresh", action="store_true",
                         help="forget what DIR holds; else what this build measured is not run again")  # fmt: skip
     given = parser.parse_args(arguments)
@@ -126,6 +135,8 @@ def parse_options(arguments: list[str], root: Path) -> Options:
         samples=given.samples,
         preset=given.preset,
         overrides=_overrides(given.overrides, parser),
+        as_points=given.as_points,
+        points=given.points,
         fresh=given.fresh,
         order=[pair["id"] for pair in listed],
     )
@@ -143,6 +154,8 @@ def requests_of(options: Options) -> list[dict[str, Any]]:
         "preset": options.preset,
         "overrides": options.overrides,
         "settings": options.settings,
+        "as_points": options.as_points,
+        "points": options.points,
         "peer_limit": PEER_LIMIT,
     }
     requests = []

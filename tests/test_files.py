@@ -235,10 +235,10 @@ def test_polygons_without_an_area_are_told_and_keep_their_place(tmp_path: Path) 
     assert "2 polygons have fewer than three corners" in mesh.warnings[0]
 
 
-def test_a_file_of_points_alone_is_read_but_is_no_surface(tmp_path: Path) -> None:
+def test_a_file_of_points_alone_is_a_cloud_and_may_be_too_small_for_a_surface(tmp_path: Path) -> None:
     mesh = read_mesh(save(tmp_path / "a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n"))
     assert mesh.vertices.shape == (3, 3)
-    with pytest.raises(isograft.InvalidInput, match=r"a\.obj: point clouds .* not supported yet"):
+    with pytest.raises(isograft.InvalidInput, match=r"a\.obj: a point cloud of 3 rows is too small"):
         mesh.surface()
 
 

@@ -84,13 +84,6 @@ def test_what_cannot_be_a_surface_is_refused_with_what_and_where(vertices: Any, 
         isograft.Surface(vertices, faces)
 
 
-def test_a_point_cloud_is_refused_plainly() -> None:
-    with pytest.raises(isograft.InvalidInput, match=r"point clouds .* not supported yet"):
-        isograft.Surface(TETRAHEDRON)
-    with pytest.raises(isograft.InvalidInput, match=r"point clouds .* not supported yet"):
-        isograft.Surface(TETRAHEDRON, None, TETRAHEDRON)
-
-
 def test_normals_of_a_mesh_are_checked_and_their_neglect_is_told() -> None:
     with pytest.raises(isograft.InvalidInput, match=r"normals must have shape \(4, 3\)"):
         isograft.Surface(TETRAHEDRON, SIDES, TETRAHEDRON[:3])

@@ -47,6 +47,7 @@ void bind_correspondence(py::module_& m) {
              py::arg("face"), py::arg("barycentric"), py::arg("points"), py::arg("vertex"), py::arg("confidence"),
              py::arg("stretch"), py::arg("region"))
         .def_property_readonly("face", [](const Correspondence& c) { return to_numpy(c.face); })
+        .def_property_readonly("corners", [](const Correspondence& c) { return to_numpy(c.corners); })
         .def_property_readonly("barycentric", [](const Correspondence& c) { return to_numpy(c.barycentric); })
         .def_property_readonly("points", [](const Correspondence& c) { return to_numpy(c.points); })
         .def_property_readonly("vertex", [](const Correspondence& c) { return to_numpy(c.vertex); })

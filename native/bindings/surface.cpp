@@ -37,6 +37,22 @@ void bind_surface(py::module_& m) {
                  return Surface::from_mesh(std::move(points), std::move(triangles));
              }),
              py::arg("vertices"), py::arg("faces"))
+        .def_static(
+            "from_points",
+            [](const DoubleArray& vertices, const py::object& normals) {
+                Points points = to_points(vertices, "vertices");
+                const Points sides = normals.is_none() ? Points(0, 3) : to_points(normals, "normals");
+                const py::gil_scoped_release release;
+                return Surface::from_points(std::move(points), sides);
+            },
+            py::arg("vertices"), py::arg("normals"))
+        .def_property_readonly("is_cloud", &Surface::is_cloud)
+        .def_property_readonly("normals", [](const Surface& s) { return to_numpy(s.normals()); })
+        .def_property_readonly("working_mesh",
+                               [](const Surface& s) {
+                                   const auto [vertices, faces] = s.working_mesh();
+                                   return py::make_tuple(to_numpy(vertices), to_numpy(faces));
+                               })
         .def_property_readonly("vertices", [](const Surface& s) { return to_numpy(s.vertices()); })
         .def_property_readonly("faces", [](const Surface& s) { return to_numpy(s.faces()); })
         .def_property_readonly("warnings", &Surface::warnings)

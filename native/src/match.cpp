@@ -119,6 +119,7 @@ void warn_of_answers(const std::vector<Blended>& answers, MatchReport& report) {
 }  // namespace
 
 void MatchOptions::validate() const {
+    surface.validate();
     hierarchy.validate();
     feature.validate();
     seed.validate();
@@ -151,7 +152,17 @@ MatchOptions preset_options(const std::string& name) {
         options.blend.rounds = 6;
         return options;
     }
-    throw InvalidInput("there is no preset \"" + name + "\"; there are fast, default and thorough");
+    if (name == "noisy") {
+        // Everything that reads shape looks farther, everything that tests lengths gives more.
+        options.surface.denoise = 3.0;
+        options.feature.smoothing = 14;
+        options.feature.radius = 0.25;
+        options.growth.stretch_limit = 0.7;
+        options.growth.huber = 0.15;
+        options.blend.accept = 1.8;
+        return options;
+    }
+    throw InvalidInput("there is no preset \"" + name + "\"; there are fast, default, thorough and noisy");
 }
 
 Match match(const Surface& source, const Surface& target, const MatchOptions& options, Monitor* monitor) {
@@ -180,7 +191,11 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
         }
     };
 
-    PreparedPair prepared = prepare_pair(source, target, options, report, watcher, 0.0, prepared_by);
+    const double denoise = options.surface.denoise;
+    PreparedPair prepared =
+        denoise > 0.0 ? prepare_pair(source.denoised(denoise, watcher), target.denoised(denoise, watcher), options,
+                                     report, watcher, 0.0, prepared_by)
+                      : prepare_pair(source, target, options, report, watcher, 0.0, prepared_by);
     const Pair& pair = prepared.pair;
     watch.lap();
 

@@ -14,6 +14,7 @@
 #include "isograft/options/hierarchy.h"
 #include "isograft/options/scale.h"
 #include "isograft/options/seed.h"
+#include "isograft/options/surface.h"
 #include "isograft/surface.h"
 
 namespace isograft {
@@ -26,6 +27,7 @@ struct Landmark {
 
 /// Options of match(): one struct per stage, and what concerns the whole call.
 struct MatchOptions {
+    SurfaceOptions surface;
     HierarchyOptions hierarchy;
     FeatureOptions feature;
     SeedOptions seed;
@@ -46,6 +48,7 @@ struct MatchOptions {
     /// Call visitor(stage_name, field_name, reference_to_field) for every plain field (int, double, bool).
     template <class Visitor>
     void visit(Visitor&& visitor) {
+        surface.visit([&](const char* name, auto& field) { visitor("surface", name, field); });
         hierarchy.visit([&](const char* name, auto& field) { visitor("hierarchy", name, field); });
         feature.visit([&](const char* name, auto& field) { visitor("feature", name, field); });
         seed.visit([&](const char* name, auto& field) { visitor("seed", name, field); });
@@ -59,7 +62,7 @@ struct MatchOptions {
     void validate() const;
 };
 
-/// Options by name: "fast", "default", "thorough" ("noisy" and "paper" are reserved).
+/// Options by name: "fast", "default", "thorough", "noisy" ("paper" is reserved).
 /// \throw InvalidInput for any other name, listing those that exist.
 MatchOptions preset_options(const std::string& name);
 

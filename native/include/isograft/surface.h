@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -13,6 +14,7 @@ using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 using Triangles = Eigen::Matrix<int, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
 struct TriangleMesh;
+class Monitor;
 
 /// A checked surface: the one gate between a caller's arrays and the stages.
 ///
@@ -30,9 +32,22 @@ class Surface {
     /// triangle has an area. \throw ResourceLimit above 2^30 vertices or 2^31 / 3 triangles.
     static Surface from_mesh(Points vertices, Triangles faces);
 
+    /// Check a point cloud and find the surface that its points lie on.
+    ///
+    /// Outliers are left out, repeated points joined, normals estimated where none are given and turned to one side,
+    /// outward where the cloud closes about an inside; even triangles are laid over the smoothed points, with holes
+    /// where the cloud has holes. What was done is told in warnings(), with counts. Results are indexed by the caller's
+    /// own points. O(n log n).
+    /// \param vertices #V by 3, any unit. \param normals #V by 3 of any length, or without rows to have them estimated.
+    /// \param monitor may be null.
+    /// \throw InvalidInput for fewer than 50 different points, a coordinate or normal that is not finite, normals
+    /// without length or in another number, or points that show no surface. \throw ResourceLimit above 2^30 points;
+    /// Cancelled if `monitor` asks for it.
+    static Surface from_points(Points vertices, const Points& normals = Points(0, 3), Monitor* monitor = nullptr);
+
     /// #V by 3, as given.
     [[nodiscard]] const Points& vertices() const { return vertices_; }
-    /// #F by 3, as given.
+    /// #F by 3, as given; without rows for a point cloud.
     [[nodiscard]] const Triangles& faces() const { return faces_; }
     /// What the gate repaired or left out, a sentence each with counts.
     [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
@@ -40,17 +55,32 @@ class Surface {
     [[nodiscard]] bool orientation_is_ambiguous() const { return ambiguous_; }
     /// True if every component of some size bounds a volume: nothing seems to be missing.
     [[nodiscard]] bool is_closed() const { return closed_; }
-    /// The repaired mesh the stages work on (internal).
+    /// A point cloud: results have no triangles of the caller's.
+    [[nodiscard]] bool is_cloud() const { return is_cloud_; }
+    /// Of a point cloud, #V by 3: unit normals of the smoothed surface, outward; NaN for points left out. Else no rows.
+    [[nodiscard]] const Points& normals() const { return normals_; }
+    /// Of a point cloud, per point its nearest vertex of mesh() on its own sheet, -1 if it was left out (internal).
+    [[nodiscard]] const std::vector<int>& cloud_vertex() const { return cloud_vertex_; }
+    /// Vertices and triangles of the mesh the stages work on, outward: the repaired one, or the one laid over a cloud.
+    [[nodiscard]] std::pair<Points, Triangles> working_mesh() const;
+    /// The repaired mesh the stages work on; over a point cloud, one made for it (internal).
     [[nodiscard]] const TriangleMesh& mesh() const { return *mesh_; }
     /// The same surface with its open components turned over (internal: both sides are tried, consensus decides).
     [[nodiscard]] Surface with_open_parts_reversed() const;
+    /// The same surface with the mesh the stages work on smoothed (internal; see SurfaceOptions). A cloud's is already.
+    [[nodiscard]] Surface denoised(double support, Monitor& monitor) const;
 
   private:
+    [[nodiscard]] Surface reversed_cloud() const;
+
     Points vertices_;
     Triangles faces_;
     std::vector<std::string> warnings_;
     bool ambiguous_ = false;
     bool closed_ = true;
+    bool is_cloud_ = false;
+    Points normals_{0, 3};
+    std::vector<int> cloud_vertex_;
     std::shared_ptr<const TriangleMesh> mesh_;
 };
 

@@ -23,7 +23,7 @@ def add_match(commands: Any, epilog: str) -> None:
         "match",
         help="find the map from one surface to another",
         description=f"Find the map from SOURCE to TARGET (files: {', '.join(MESH_SUFFIXES)}). Rows of the result are "
-        "the source's vertices, its triangle indices the target's triangles.",
+        "the source's vertices, its triangle indices the target's triangles. A file without faces is a point cloud.",
         epilog=epilog,
     )
     parser.add_argument("source", metavar="SOURCE")
@@ -60,6 +60,8 @@ def run_match(arguments: argparse.Namespace) -> int:
     landmarks = None if arguments.landmarks is None else read_landmarks(arguments.landmarks)
     source = open_mesh(arguments.source)
     target = open_mesh(arguments.target)
+    if arguments.output.lower().endswith(".corr") and not len(target.polygons.sizes):
+        raise BadInput(f"{arguments.output}: .corr names triangles, and TARGET is a point cloud: write .npz or .ply")
     progress = ProgressLine() if arguments.progress or sys.stderr.isatty() else None
     try:
         result = match(

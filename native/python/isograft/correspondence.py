@@ -20,16 +20,17 @@ from isograft.formats.npz import ARRAYS, read_npz, write_npz
 class Correspondence:
     """For every source vertex a point of the target, or "unmatched"; n = number of source vertices.
 
+    For a point-cloud target `face` is -1 everywhere: `points` and `vertex`, the nearest point, carry the answer.
     Unmatched rows: `face`, `vertex`, `region` and `corners` -1, `confidence` 0, NaN in every other array.
     """
 
     #: (n,) int32: index into the target's input triangles.
     face: npt.NDArray[np.int32]
-    #: (n, 3) float64: weights of that triangle's corners, >= 0, sum 1.
+    #: (n, 3) float64: weights of `corners`, >= 0, sum 1.
     barycentric: npt.NDArray[np.float64]
     #: (n, 3) float64: the point itself, in the target's units.
     points: npt.NDArray[np.float64]
-    #: (n,) int32: the target's vertex with the largest weight.
+    #: (n,) int32: the target's vertex with the largest weight; of a cloud the nearest point.
     vertex: npt.NDArray[np.int32]
     #: (n,) float64 in [0, 1].
     confidence: npt.NDArray[np.float64]
@@ -37,7 +38,7 @@ class Correspondence:
     stretch: npt.NDArray[np.float64]
     #: (n,) int32: the continuous part the vertex belongs to, 0 the largest.
     region: npt.NDArray[np.int32]
-    #: (n, 3) int32: the target vertices that `barycentric` weighs, the corners of `face`.
+    #: (n, 3) int32: the target vertices that `barycentric` weighs: the corners of `face`; of a cloud the three nearest.
     corners: npt.NDArray[np.int32]
     #: Number of the target's vertices.
     target_size: int
@@ -46,7 +47,8 @@ class Correspondence:
     def from_native(
         cls, native: _native.Correspondence, faces: npt.NDArray[np.int32], target_size: int
     ) -> Correspondence:
-        """`faces` are the target's triangles."""
+        """`faces` are the target's triangles, none for a point cloud."""
+        of_cloud = native.corners
         face = native.face
         return cls(
             face=face,
@@ -56,7 +58,7 @@ class Correspondence:
             confidence=native.confidence,
             stretch=native.stretch,
             region=native.region,
-            corners=corners_of(face, faces),
+            corners=of_cloud if len(of_cloud) else corners_of(face, faces),
             target_size=target_size,
         )
 
@@ -69,7 +71,7 @@ class Correspondence:
     @property
     def matched(self) -> npt.NDArray[np.bool_]:
         """(n,): True where the vertex has a point."""
-        return self.face >= 0
+        return self.vertex >= 0
 
     @property
     def coverage(self) -> float:

@@ -137,8 +137,10 @@ def evaluate(
 
 def _target_of(target: Any) -> tuple[FloatArray, npt.NDArray[np.int32], Surface | None]:
     """Vertices, triangles, and the Surface; None for a cloud."""
-    if isinstance(target, (tuple, list)) and len(target) >= 1 and (len(target) == 1 or target[1] is None):
-        vertices = to_points(target[0], "target: vertices")
+    is_tuple = isinstance(target, (tuple, list)) and len(target) >= 1 and (len(target) == 1 or target[1] is None)
+    if is_tuple or (isinstance(target, Surface) and target.is_cloud):
+        # As points alone: building its surface would tell nothing more.
+        vertices = target.vertices if isinstance(target, Surface) else to_points(target[0], "target: vertices")
         if len(vertices) == 0 or not np.isfinite(vertices).all():
             raise InvalidInput("target: a point cloud needs points with finite coordinates")
         return vertices, np.empty((0, 3), np.int32), None

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Meshes and maps in files.
 
-One rule for every mesh: row i of the result is vertex i of the file. Texture coordinates of corners are kept apart
-from the vertices (seams split nothing), and n-gons are triangulated with the way back kept. STL, which repeats a vertex
-in every triangle, is the exception: equal positions are one vertex, in the order of their first use.
+One rule for every mesh and point cloud: row i of the result is vertex i of the file. Texture coordinates of corners are
+kept apart from the vertices (seams split nothing), and n-gons are triangulated with the way back kept. STL repeats
+every vertex in each of its triangles and is the exception: equal positions are one vertex, in the order of first use.
 """
 
 from __future__ import annotations

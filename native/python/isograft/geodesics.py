@@ -36,6 +36,8 @@ def geodesic_distances(
             or a radius that is not positive.
     """
     checked = as_surface(surface, "surface")
+    if checked.is_cloud:
+        raise InvalidInput("a point cloud has no triangles of its own: pass Surface(*surface.working_mesh)")
     index = to_int(face, "face", 0, len(checked.faces) - 1)
     weights = [to_float(weight, "barycentric") for weight in np.asarray(barycentric).ravel().tolist()]
     if len(weights) != 3:

@@ -7,9 +7,11 @@
 #include <functional>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <string>
 
 #include "base/parallel.h"
+#include "dense/cloud_rows.h"
 #include "geodesic/trace.h"
 #include "isograft/errors.h"
 #include "surface/clean.h"
@@ -87,9 +89,10 @@ VertexImage image_of(int v, const PartialMap& map, const Pair& pair, const Sampl
     return image;
 }
 
-// A fine vertex between the coarse ones of its triangle.
-VertexImage between(const SurfacePoint& place, const std::vector<VertexImage>& coarse, const Pair& pair) {
-    const auto& corners = pair.source.mesh.face[place.face];
+// A point of a source mesh between the vertices of its triangle.
+VertexImage between(const TriangleMesh& mesh, const SurfacePoint& place, const std::vector<VertexImage>& coarse,
+                    const Pair& pair) {
+    const auto& corners = mesh.face[place.face];
     VertexImage image;
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
     double total = 0.0;
@@ -110,6 +113,7 @@ VertexImage between(const SurfacePoint& place, const std::vector<VertexImage>& c
     const double apart = (nearest.position - mean).norm();
     image.point =
         apart < 2.0 * pair.source.samples.spacing ? settle(pair.target.mesh, nearest.point, mean) : nearest.point;
+    image.position = position(pair.target.mesh, image.point);
     image.confidence /= total;
     image.stretch /= total;
     image.region = nearest.region;
@@ -128,8 +132,16 @@ void unmatch_all(Correspondence& c, Eigen::Index n) {
 }
 
 // The image's point is one of the fine target already.
-void write_row(Correspondence& c, Eigen::Index row, const VertexImage& image, const Detail& target) {
+void write_row(Correspondence& c, Eigen::Index row, const VertexImage& image, const Detail& target,
+               const std::optional<CloudRows>& cloud) {
     SurfacePoint point = image.point;
+    c.confidence[row] = image.confidence;
+    c.stretch[row] = image.stretch;
+    c.region[row] = image.region;
+    if (cloud) {
+        cloud->write(c, row, point);
+        return;
+    }
     const TriangleMesh& mesh = target.fine();
     const Surface& surface = target.surface;
     const int input = mesh.input_face[point.face];
@@ -144,18 +156,16 @@ void write_row(Correspondence& c, Eigen::Index row, const VertexImage& image, co
     }
     c.points.row(row) = x;
     c.vertex[row] = surface.faces()(input, largest);
-    c.confidence[row] = image.confidence;
-    c.stretch[row] = image.stretch;
-    c.region[row] = image.region;
 }
 
 // Vertices that the gate welded share one image.
 void share_welded(Correspondence& c, const Detail& source) {
     const std::vector<int> working = working_vertices(source.surface);
     for (Eigen::Index v = 0; v < c.face.size(); ++v) {
-        if (working[v] < 0 || c.face[v] >= 0) continue;
+        if (working[v] < 0 || c.vertex[v] >= 0) continue;
         const int row = source.fine().input_vertex[working[v]];
-        if (c.face[row] < 0) continue;
+        if (c.vertex[row] < 0) continue;
+        if (c.corners.rows() > 0) c.corners.row(v) = c.corners.row(row);
         c.face[v] = c.face[row];
         c.barycentric.row(v) = c.barycentric.row(row);
         c.points.row(v) = c.points.row(row);
@@ -214,22 +224,43 @@ Correspondence densify(const PartialMap& map, const Pair& pair, const SampleNote
     for_each(coarse_count, from, middle, [&](int v) { coarse[v] = image_of(v, map, pair, notes, options); });
     const bool same = source.coarse.fine_vertex.empty();
     const int fine_count = source.fine().vertex_count();
+    // Those of a cloud's mesh are on the way only.
+    const bool of_cloud = source.surface.is_cloud();
     std::vector<VertexImage> images(fine_count);
     for_each(fine_count, middle, to, [&](int v) {
         if (same) {
             images[v] = coarse[v];
         } else if (source.coarse.place[v].face >= 0) {
-            images[v] = between(source.coarse.place[v], coarse, pair);
+            images[v] = between(pair.source.mesh, source.coarse.place[v], coarse, pair);
         }
-        if (images[v].point.face >= 0) images[v].point = to_fine(target, images[v].point);
+        if (images[v].point.face >= 0 && !of_cloud) images[v].point = to_fine(target, images[v].point);
     });
     Correspondence result;
-    unmatch_all(result, source.surface.vertices().rows());
+    const Eigen::Index rows = source.surface.vertices().rows();
+    unmatch_all(result, rows);
+    std::optional<CloudRows> cloud;
+    if (target.surface.is_cloud()) {
+        cloud.emplace(target.surface);
+        result.corners = Triangles::Constant(rows, 3, -1);
+    }
+    const auto write = [&](Eigen::Index row, const VertexImage& image) {
+        if (image.point.face >= 0 && image.region >= 0) write_row(result, row, image, target, cloud);
+    };
+    if (of_cloud) {
+        // Every point follows the triangle it lies on.
+        const std::vector<SurfacePoint> place = cloud_places(source.surface, monitor);
+        for_each(static_cast<int>(rows), to, to, [&](int row) {
+            if (place[row].face < 0) return;
+            VertexImage image = between(source.fine(), place[row], images, pair);
+            if (image.point.face >= 0) image.point = to_fine(target, image.point);
+            write(row, image);
+        });
+        return result;
+    }
     for (int v = 0; v < fine_count; ++v) {
         const int row = source.fine().input_vertex[v];
         // A vertex that was split keeps its surer copy.
-        if (images[v].point.face < 0 || images[v].region < 0 || images[v].confidence < result.confidence[row]) continue;
-        write_row(result, row, images[v], target);
+        if (images[v].confidence >= result.confidence[row]) write(row, images[v]);
     }
     share_welded(result, source);
     return result;

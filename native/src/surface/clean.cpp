@@ -46,25 +46,6 @@ class DisjointSets {
     std::vector<int> parent_;
 };
 
-// Per vertex the lowest vertex at exactly the same place.
-std::vector<int> find_places(const std::vector<Eigen::Vector3d>& position) {
-    std::vector<int> order(position.size());
-    std::iota(order.begin(), order.end(), 0);
-    const auto compare = [&](int a, int b) {
-        for (int k = 0; k < 3; ++k) {
-            if (position[a][k] != position[b][k]) return position[a][k] < position[b][k];
-        }
-        return a < b;
-    };
-    std::sort(order.begin(), order.end(), compare);
-    std::vector<int> place(position.size());
-    for (std::size_t i = 0; i < order.size(); ++i) {
-        const bool same = i > 0 && position[order[i]] == position[order[i - 1]];
-        place[order[i]] = same ? place[order[i - 1]] : order[i];
-    }
-    return place;
-}
-
 bool has_area(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
     const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
     const double largest = std::max({a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff(), c.cwiseAbs().maxCoeff()});
@@ -162,10 +143,25 @@ void check_size(Eigen::Index vertices, Eigen::Index triangles) {
     }
 }
 
-void check_arrays(const Points& vertices, const Triangles& faces) {
-    if (vertices.rows() == 0) throw InvalidInput("`vertices` is empty: 0 rows; pass at least three vertices");
-    if (faces.rows() == 0) throw InvalidInput("`faces` is empty: 0 rows; pass at least one triangle");
-    check_size(vertices.rows(), faces.rows());
+std::vector<int> find_places(const std::vector<Eigen::Vector3d>& position) {
+    std::vector<int> order(position.size());
+    std::iota(order.begin(), order.end(), 0);
+    const auto compare = [&](int a, int b) {
+        for (int k = 0; k < 3; ++k) {
+            if (position[a][k] != position[b][k]) return position[a][k] < position[b][k];
+        }
+        return a < b;
+    };
+    std::sort(order.begin(), order.end(), compare);
+    std::vector<int> place(position.size());
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        const bool same = i > 0 && position[order[i]] == position[order[i - 1]];
+        place[order[i]] = same ? place[order[i - 1]] : order[i];
+    }
+    return place;
+}
+
+void check_coordinates(const Points& vertices) {
     Eigen::Index first = -1, bad = 0;
     for (Eigen::Index v = vertices.rows(); v-- > 0;) {
         if (vertices.row(v).array().isFinite().all()) continue;
@@ -177,6 +173,22 @@ void check_arrays(const Points& vertices, const Triangles& faces) {
                            ", the first is row " + std::to_string(first) +
                            "; give those vertices finite coordinates or remove them");
     }
+    // Halved, so that the difference of two numbers near the ends of the range stays finite.
+    const double extent = 2.0 * (0.5 * vertices.colwise().maxCoeff() - 0.5 * vertices.colwise().minCoeff()).maxCoeff();
+    if (extent > largest_extent || (extent > 0.0 && extent < smallest_extent)) {
+        std::ostringstream text;
+        text << "the extent of the " << vertices.rows() << " vertices is " << extent << ", outside " << smallest_extent
+             << " to " << largest_extent << "; multiply the coordinates by a common factor";
+        throw InvalidInput(text.str());
+    }
+}
+
+void check_arrays(const Points& vertices, const Triangles& faces) {
+    if (vertices.rows() == 0) throw InvalidInput("`vertices` is empty: 0 rows; pass at least three vertices");
+    if (faces.rows() == 0) throw InvalidInput("`faces` is empty: 0 rows; pass at least one triangle");
+    check_size(vertices.rows(), faces.rows());
+    check_coordinates(vertices);
+    Eigen::Index first = -1, bad = 0;
     for (Eigen::Index f = faces.rows(); f-- > 0;) {
         if (faces.row(f).minCoeff() >= 0 && faces.row(f).maxCoeff() < vertices.rows()) continue;
         first = f;
@@ -188,14 +200,6 @@ void check_arrays(const Points& vertices, const Triangles& faces) {
              << ", the first is triangle " << first << " (" << faces(first, 0) << ", " << faces(first, 1) << ", "
              << faces(first, 2) << "); indices must be 0 to " << vertices.rows() - 1
              << ", the rows of `vertices`, counted from 0";
-        throw InvalidInput(text.str());
-    }
-    // Halved, so that the difference of two numbers near the ends of the range stays finite.
-    const double extent = 2.0 * (0.5 * vertices.colwise().maxCoeff() - 0.5 * vertices.colwise().minCoeff()).maxCoeff();
-    if (extent > largest_extent || (extent > 0.0 && extent < smallest_extent)) {
-        std::ostringstream text;
-        text << "the extent of the " << vertices.rows() << " vertices is " << extent << ", outside " << smallest_extent
-             << " to " << largest_extent << "; multiply the coordinates by a common factor";
         throw InvalidInput(text.str());
     }
 }
@@ -250,6 +254,7 @@ Soup clean(const Points& vertices, const Triangles& faces) {
 }
 
 std::vector<int> working_vertices(const Surface& surface) {
+    if (surface.is_cloud()) return surface.cloud_vertex();
     const TriangleMesh& mesh = surface.mesh();
     const Eigen::Index count = surface.vertices().rows();
     std::vector<int> result(count, -1);

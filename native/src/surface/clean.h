@@ -26,9 +26,16 @@ struct Soup {
 /// \throw ResourceLimit if half-edges would not fit into 32-bit indices, or above 2^30 vertices.
 void check_size(Eigen::Index vertices, Eigen::Index triangles);
 
+/// \throw InvalidInput if a coordinate is not finite or the extent is beyond what areas and volumes can be computed
+/// from.
+void check_coordinates(const Points& vertices);
+
 /// \throw InvalidInput if there is nothing, a coordinate is not finite, an index is out of range, or the extent is
 /// beyond what areas and volumes can be computed from.
 void check_arrays(const Points& vertices, const Triangles& faces);
+
+/// Per vertex the lowest vertex at exactly the same place.
+std::vector<int> find_places(const std::vector<Eigen::Vector3d>& position);
 
 /// Leave out what is no triangle, and weld what only its indexing keeps apart.
 ///

@@ -4,7 +4,10 @@
 #include <cmath>
 #include <utility>
 
+#include "isograft/monitor.h"
 #include "surface/clean.h"
+#include "surface/cloud.h"
+#include "surface/denoise.h"
 #include "surface/mesh.h"
 #include "surface/orient.h"
 
@@ -61,9 +64,27 @@ Surface Surface::from_mesh(Points vertices, Triangles faces) {
     return surface;
 }
 
+Surface Surface::from_points(Points vertices, const Points& normals, Monitor* monitor) {
+    Monitor silent;
+    Cloud cloud = make_cloud(vertices, normals, monitor != nullptr ? *monitor : silent);
+    Surface surface;
+    surface.is_cloud_ = true;
+    surface.ambiguous_ = cloud.ambiguous;
+    surface.warnings_ = std::move(cloud.warnings);
+    surface.cloud_vertex_ = std::move(cloud.vertex);
+    surface.normals_ = std::move(cloud.normals);
+    surface.mesh_ = std::make_shared<TriangleMesh>(std::move(cloud.mesh));
+    surface.faces_.resize(0, 3);
+    surface.vertices_ = std::move(vertices);
+    return surface;
+}
+
 Surface Surface::with_open_parts_reversed() const {
+    if (is_cloud_) return reversed_cloud();
     std::vector<Eigen::Vector3d> position(vertices_.rows());
     for (Eigen::Index v = 0; v < vertices_.rows(); ++v) position[v] = vertices_.row(v);
+    // The mesh may be smoother than what was given.
+    for (int v = 0; v < mesh_->vertex_count(); ++v) position[mesh_->input_vertex[v]] = mesh_->position[v];
     std::vector<Corners> face = input_corners(*mesh_);
     std::vector<char> reversed = mesh_->input_reversed;
     const std::vector<ComponentSide> sides = component_sides(position, face, mesh_->component, mesh_->component_count);
@@ -74,6 +95,32 @@ Surface Surface::with_open_parts_reversed() const {
     }
     Surface surface = *this;
     surface.mesh_ = std::make_shared<TriangleMesh>(build_mesh(position, face, mesh_->input_face, reversed));
+    return surface;
+}
+
+Surface Surface::denoised(double support, Monitor& monitor) const {
+    Surface surface = *this;
+    if (!is_cloud_) surface.mesh_ = std::make_shared<TriangleMesh>(isograft::denoised(*mesh_, support, monitor));
+    return surface;
+}
+
+std::pair<Points, Triangles> Surface::working_mesh() const {
+    std::pair<Points, Triangles> arrays{Points(mesh_->vertex_count(), 3), Triangles(mesh_->face_count(), 3)};
+    for (int v = 0; v < mesh_->vertex_count(); ++v) arrays.first.row(v) = mesh_->position[v];
+    for (int f = 0; f < mesh_->face_count(); ++f) {
+        for (int k = 0; k < 3; ++k) arrays.second(f, k) = mesh_->face[f][k];
+    }
+    return arrays;
+}
+
+// Small holes and gaps make nearly every part of a cloud an open one, so all are turned.
+Surface Surface::reversed_cloud() const {
+    std::vector<Corners> face = mesh_->face;
+    for (Corners& f : face) std::swap(f[1], f[2]);
+    Surface surface = *this;
+    surface.mesh_ =
+        std::make_shared<TriangleMesh>(build_mesh(mesh_->position, face, mesh_->input_face, mesh_->input_reversed));
+    surface.normals_ = -normals_;
     return surface;
 }
 

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from isograft.correspondence import Correspondence, corners_of
+from isograft.errors import InvalidInput
 from isograft.formats.atomic import replacing
 from isograft.formats.mesh import MeshFile
 from isograft.formats.text import Lines
@@ -19,7 +20,12 @@ PathLike = str | os.PathLike[str]
 
 
 def write_corr(path: PathLike, correspondence: Correspondence) -> None:
-    """SHREC'16: a line a source vertex with the 1-based target triangle and three weights, `-1 0 0 0` unmatched."""
+    """SHREC'16: a line a source vertex with the 1-based target triangle and three weights, `-1 0 0 0` unmatched.
+
+    Raises InvalidInput for a map to a point cloud, which has no triangles to name.
+    """
+    if (correspondence.matched & (correspondence.face < 0)).any():
+        raise InvalidInput(f"{path}: .corr names triangles, and the target is a point cloud: write .npz or .ply")
     weights = np.where(correspondence.matched[:, None], correspondence.barycentric, 0.0).tolist()
     lines = [
         f"{face + 1} {a:.12g} {b:.12g} {c:.12g}\n" if face >= 0 else "-1 0 0 0\n"
@@ -31,6 +37,8 @@ def write_corr(path: PathLike, correspondence: Correspondence) -> None:
 
 def read_corr(path: PathLike, target: Surface) -> Correspondence:
     """Read what write_corr() wrote, for the target it was made for. Matched: confidence 1, stretch 0, region 0."""
+    if target.is_cloud:
+        raise InvalidInput(f"{path}: .corr names triangles, and the target is a point cloud: use the .npz")
     lines = Lines(os.fspath(path), Path(path).read_bytes())
     table = lines.table(0, len(lines), "a triangle and three weights", 4)
     if table.shape[1] != 4:

@@ -20,14 +20,15 @@ class Polygons:
     """What a reader returns: polygons with any number of corners, checked against the number of vertices.
 
     `sizes` (p,) counts each polygon's corners, `corners` (c,) holds their vertices one polygon after another.
-    `uvs` (m, 2) is the file's table of texture coordinates, `uv_index` (c,) the row of every corner, -1 for none.
-    `colors` (n, 3 or 4) lie in [0, 1].
+    `normals` (n, 3) are those of the vertices, of any length. `uvs` (m, 2) is the file's table of texture coordinates,
+    `uv_index` (c,) the row of every corner, -1 for none. `colors` (n, 3 or 4) lie in [0, 1].
     """
 
     vertices: Floats
     sizes: Ints
     corners: Ints
     colors: Floats | None = None
+    normals: Floats | None = None
     uvs: Floats | None = None
     uv_index: Ints | None = None
     warnings: list[str] = field(default_factory=list)
@@ -35,7 +36,7 @@ class Polygons:
 
 @dataclass(eq=False)
 class MeshFile:
-    """A mesh as read from a file: row i of `vertices` is vertex i of the file.
+    """A mesh, or a point cloud without `faces`, as read from a file: row i of `vertices` is vertex i of the file.
 
     `faces` (k, 3) are triangles. The way back to the file's polygons: `triangle_polygon` (k,) names the polygon of
     every triangle, `triangle_corners` (k, 3) its corners as rows of `polygons.corners`.
@@ -52,6 +53,11 @@ class MeshFile:
     def colors(self) -> Floats | None:
         """(n, 3 or 4) in [0, 1], or None."""
         return self.polygons.colors
+
+    @property
+    def normals(self) -> Floats | None:
+        """(n, 3) as they are in the file, of any length, or None."""
+        return self.polygons.normals
 
     @property
     def corner_uvs(self) -> Floats | None:
@@ -74,8 +80,13 @@ class MeshFile:
         return self.polygons.warnings
 
     def surface(self) -> Surface:
-        """The checked surface. Raises InvalidInput naming the file if it cannot be used as one."""
+        """The checked surface, a point cloud if the file has no faces.
+
+        Raises InvalidInput naming the file if it cannot be used as one.
+        """
         try:
-            return Surface(self.vertices, self.faces if len(self.faces) else None)
+            if len(self.polygons.sizes):
+                return Surface(self.vertices, self.faces)
+            return Surface(self.vertices, None, self.normals)
         except InvalidInput as error:
             raise InvalidInput(f"{self.path}: {error}") from None

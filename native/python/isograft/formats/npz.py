@@ -72,6 +72,7 @@ def _take(path: PathLike, arrays: Arrays, prefix: str, target_size: int) -> Arra
     for name in ("corners", "vertex"):
         if rows and not -1 <= taken[name].min() <= taken[name].max() < target_size:
             raise InvalidInput(f"{path}: {prefix}{name} names a vertex that is none of the target's {target_size}")
-    if rows and (taken["face"].min() < -1 or (taken["corners"][taken["face"] >= 0] < 0).any()):
-        raise InvalidInput(f"{path}: {prefix}face and {prefix}corners contradict each other")
+    matched = taken["vertex"] >= 0
+    if rows and (taken["face"].min() < -1 or (taken["corners"][matched | (taken["face"] >= 0)] < 0).any()):
+        raise InvalidInput(f"{path}: {prefix}face, {prefix}vertex and {prefix}corners contradict each other")
     return taken

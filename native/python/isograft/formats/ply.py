@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""PLY, text and binary of both byte orders: vertices, colours, texture coordinates and polygons of any size.
+"""PLY, text and binary of both byte orders: vertices, normals, colours, texture coordinates and polygons of any size.
 
 Whatever else a file holds is passed over, wherever it stands.
 """
@@ -46,6 +46,8 @@ def read_ply(path: str, data: bytes) -> Polygons:
     else:
         sizes, indices = _indices(corners, len(vertices), path, body)
     polygons = Polygons(vertices=vertices, sizes=sizes, corners=indices, colors=_colors(vertex, header.elements, path))
+    if all(name in vertex for name in ("nx", "ny", "nz")):
+        polygons.normals = np.stack([_plain(vertex[name], path) for name in ("nx", "ny", "nz")], axis=1)
     _add_uvs(polygons, vertex, face, path)
     return polygons
 
