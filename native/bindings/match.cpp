@@ -52,21 +52,28 @@ void set_scale(const std::string& mode, double value, ScaleOptions& options) {
     }
 }
 
-std::vector<Landmark> to_landmarks(const IntArray& pairs) {
+std::vector<Landmark> to_landmarks(const IntArray& pairs, const DoubleArray& weights) {
     if (pairs.ndim() != 2 || pairs.shape(1) != 2) throw InvalidInput("landmarks must have shape (k, 2)");
+    if (weights.ndim() != 1 || weights.shape(0) != pairs.shape(0)) throw InvalidInput("landmarks need a weight each");
     std::vector<Landmark> landmarks;
     const auto rows = pairs.unchecked<2>();
-    for (py::ssize_t i = 0; i < rows.shape(0); ++i) landmarks.push_back({rows(i, 0), rows(i, 1)});
+    const auto weight = weights.unchecked<1>();
+    for (py::ssize_t i = 0; i < rows.shape(0); ++i) landmarks.push_back({rows(i, 0), rows(i, 1), weight(i)});
     return landmarks;
 }
 
 Match match_arrays(const Surface& source, const Surface& target, const std::string& preset, const py::dict& overrides,
+<<<<<<< HEAD
                    const IntArray& landmarks, const std::string& scale_mode, double scale_value, int threads,
                    std::uint64_t seed, std::int64_t memory_limit, const py::object& progress) {
+=======
+                   const IntArray& landmarks, const DoubleArray& landmark_weights, const std::string& scale_mode,
+                   double scale_value, int threads, std::uint64_t seed, const py::object& progress) {
+>>>>>>> 3a2fb82 (Add preset paper, landmark files, experiments)
     MatchOptions options = preset_options(preset);
     apply(overrides, options);
     set_scale(scale_mode, scale_value, options.scale);
-    options.landmarks = to_landmarks(landmarks);
+    options.landmarks = to_landmarks(landmarks, landmark_weights);
     options.threads = threads;
     options.random_seed = seed;
     options.memory_limit = memory_limit;
@@ -108,6 +115,7 @@ void bind_match(py::module_& m) {
         py::arg("name"));
 
     m.def("match", &match_arrays, py::arg("source"), py::arg("target"), py::arg("preset"), py::arg("overrides"),
+<<<<<<< HEAD
           py::arg("landmarks"), py::arg("scale_mode"), py::arg("scale_value"), py::arg("threads"), py::arg("seed"),
           py::arg("memory_limit"), py::arg("progress"));
 
@@ -123,6 +131,10 @@ void bind_match(py::module_& m) {
         },
         py::arg("source"), py::arg("target"), py::arg("preset"), py::arg("overrides"), py::arg("threads"),
         py::arg("limit"));
+=======
+          py::arg("landmarks"), py::arg("landmark_weights"), py::arg("scale_mode"), py::arg("scale_value"),
+          py::arg("threads"), py::arg("seed"), py::arg("progress"));
+>>>>>>> 3a2fb82 (Add preset paper, landmark files, experiments)
 }
 
 }  // namespace isograft::bindings

@@ -18,6 +18,7 @@
 #include "growth/relax.h"
 #include "isograft/errors.h"
 #include "isograft/memory.h"
+#include "paper.h"
 #include "scale/rescale.h"
 #include "scale/setting.h"
 #include "seed/oriented_match.h"
@@ -43,6 +44,9 @@ void check_landmarks(const std::vector<Landmark>& landmarks, const Surface& surf
         if (working[vertex] < 0) {
             throw InvalidInput(which + " is not part of any usable triangle; choose another vertex");
         }
+        if (!(landmarks[i].weight > 0.0 && landmarks[i].weight <= 1.0)) {
+            throw InvalidInput("landmark " + std::to_string(i) + ": its weight must be in (0, 1]");
+        }
     }
 }
 
@@ -67,11 +71,15 @@ Grown grow(const Pair& pair, const PatchSettings& settings, const MatchOptions& 
     const double seeded = from + 0.2 * (to - from);
     std::vector<OrientedMatch> seeds = landmark_matches(pair, options);
     const int forced = static_cast<int>(seeds.size());
-    const auto found =
-        oriented_matches(pair, options.feature, options.seed, options.threads, monitor, from, seeded);
-    seeds.insert(seeds.end(), found.begin(), found.end());
+    if (!options.seed.landmarks_only) {
+        const auto found =
+            oriented_matches(pair, options.feature, options.seed, options.threads, monitor, from, seeded);
+        seeds.insert(seeds.end(), found.begin(), found.end());
+    }
     Grown grown;
     grown.patches = grow_patches(pair, settings, seeds, forced, monitor, seeded, to);
+    // A patch's vote is exp(-2 quality).
+    for (int i = 0; i < forced; ++i) grown.patches[i].quality -= 0.5 * std::log(options.landmarks[i].weight);
     grown.cores = find_cores(grown.patches, options.blend);
     grown.seeds = std::min(static_cast<int>(seeds.size()), options.seed.probes + forced);
     return grown;
@@ -159,10 +167,14 @@ MatchOptions preset_options(const std::string& name) {
         options.feature.radius = 0.25;
         options.growth.stretch_limit = 0.7;
         options.growth.huber = 0.15;
-        options.blend.accept = 1.8;
+        options.blend.accept = 0.6;
         return options;
     }
-    throw InvalidInput("there is no preset \"" + name + "\"; there are fast, default, thorough and noisy");
+    if (name == "paper") {
+        options.paper.steps = true;
+        return options;
+    }
+    throw InvalidInput("there is no preset \"" + name + "\"; there are fast, default, thorough, noisy and paper");
 }
 
 Match match(const Surface& source, const Surface& target, const MatchOptions& options, Monitor* monitor) {
@@ -171,9 +183,13 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
                  options, options.memory_limit);
     check_landmarks(options.landmarks, source, &Landmark::source, "source");
     check_landmarks(options.landmarks, target, &Landmark::target, "target");
+    if (options.seed.landmarks_only && options.landmarks.empty()) {
+        throw InvalidInput("seed.landmarks_only needs landmarks, and there are none");
+    }
     Monitor silent;
     Monitor& watcher = monitor != nullptr ? *monitor : silent;
     watcher.report("start", 0.0);
+    if (options.paper.steps) return match_by_paper(source, target, options, watcher);
     Match result;
     MatchReport& report = result.report;
     for (const auto& w : source.warnings()) report.warnings.push_back("source: " + w);

@@ -12,6 +12,7 @@
 #include "isograft/options/feature.h"
 #include "isograft/options/growth.h"
 #include "isograft/options/hierarchy.h"
+#include "isograft/options/paper.h"
 #include "isograft/options/scale.h"
 #include "isograft/options/seed.h"
 #include "isograft/options/surface.h"
@@ -23,6 +24,8 @@ namespace isograft {
 struct Landmark {
     int source = -1;
     int target = -1;
+    /// In (0, 1]: how far it is trusted against the other landmarks.
+    double weight = 1.0;
 };
 
 /// Options of match(): one struct per stage, and what concerns the whole call.
@@ -35,6 +38,7 @@ struct MatchOptions {
     BlendOptions blend;
     DenseOptions dense;
     ScaleOptions scale;
+    PaperOptions paper;
 
     /// Known pairs; they are tried first and weigh more than any found match.
     std::vector<Landmark> landmarks;
@@ -56,13 +60,14 @@ struct MatchOptions {
         blend.visit([&](const char* name, auto& field) { visitor("blend", name, field); });
         dense.visit([&](const char* name, auto& field) { visitor("dense", name, field); });
         scale.visit([&](const char* name, auto& field) { visitor("scale", name, field); });
+        paper.visit([&](const char* name, auto& field) { visitor("paper", name, field); });
     }
 
     /// \throw InvalidInput naming the first field that is out of range.
     void validate() const;
 };
 
-/// Options by name: "fast", "default", "thorough", "noisy" ("paper" is reserved).
+/// Options by name: "fast", "default", "thorough", "noisy", "paper".
 /// \throw InvalidInput for any other name, listing those that exist.
 MatchOptions preset_options(const std::string& name);
 

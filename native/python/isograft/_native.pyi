@@ -100,6 +100,7 @@ def match(
     preset: str,
     overrides: dict[str, bool | int | float],
     landmarks: npt.NDArray[np.int32],
+    landmark_weights: npt.NDArray[np.float64],
     scale_mode: str,
     scale_value: float,
     threads: int,

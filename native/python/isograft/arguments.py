@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -88,50 +87,3 @@ def to_scale(scale: Any) -> tuple[str, float]:
     if value <= 0.0:
         raise InvalidInput(f"scale must be positive, not {value}")
     return "given", value
-
-
-def to_landmarks(landmarks: Any, source_size: int, target_size: int) -> npt.NDArray[np.int32]:
-    """(k, 2) pairs of a source and a target vertex.
-
-    Accepted: None, pairs of shape (k, 2), or a mapping with two lists of equal length, "source" and "target".
-    """
-    if landmarks is None:
-        return np.empty((0, 2), np.int32)
-    if isinstance(landmarks, Mapping):
-        pairs = _zip_landmarks(landmarks)
-    else:
-        if isinstance(landmarks, (list, tuple)) and len(landmarks) == 0:
-            return np.empty((0, 2), np.int32)
-        pairs = to_indices(landmarks, "landmarks", 2)
-    for column, side, size in ((0, "source", source_size), (1, "target", target_size)):
-        indices = pairs[:, column]
-        bad = np.flatnonzero((indices < 0) | (indices >= size))
-        if bad.size:
-            raise InvalidInput(
-                f"landmark {bad[0]}: {side} vertex {indices[bad[0]]} does not exist; the {side} has {size} vertices"
-                f" ({bad.size} such landmarks)"
-            )
-        _, first, counts = np.unique(indices, return_index=True, return_counts=True)
-        if (counts > 1).any():
-            vertex = int(indices[first[np.flatnonzero(counts > 1)[0]]])
-            rows = np.flatnonzero(indices == vertex).tolist()
-            raise InvalidInput(f"landmarks {rows} name the same {side} vertex {vertex}; give every vertex once")
-    return pairs
-
-
-def _zip_landmarks(landmarks: Mapping[str, Any]) -> npt.NDArray[np.int32]:
-    if set(landmarks) != {"source", "target"}:
-        raise InvalidInput(f'landmarks must have the keys "source" and "target", not {sorted(map(str, landmarks))}')
-    sides = []
-    for side in ("source", "target"):
-        array = to_array(landmarks[side], f"landmarks of the {side}")
-        if array.shape == (0,):  # an empty list has no dtype of its own
-            array = array.astype(np.int32)
-        if array.ndim != 1:
-            raise InvalidInput(f"landmarks of the {side} must be a list of vertex indices, not shape {array.shape}")
-        sides.append(to_indices(array.reshape(-1, 1), f"landmarks of the {side}", 1))
-    if len(sides[0]) != len(sides[1]):
-        raise InvalidInput(
-            f"landmarks come in pairs, but there are {len(sides[0])} of the source and {len(sides[1])} of the target"
-        )
-    return np.hstack(sides)

@@ -6,16 +6,12 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from pathlib import Path
 from typing import Any
 
 from isograft.cli_outcome import NOTHING_MATCHED, OK, BadInput, ProgressLine, check_output, open_mesh
-from isograft.errors import InvalidInput
 from isograft.files import MAP_SUFFIXES, MESH_SUFFIXES, write_map
+from isograft.landmarks import read_landmarks
 from isograft.matching import match
-
-#: More is no list of landmarks that a person made.
-_LARGEST_LANDMARK_FILE = 10_000_000
 
 
 def add_match(commands: Any, epilog: str) -> None:
@@ -39,7 +35,8 @@ def add_match(commands: Any, epilog: str) -> None:
     parser.add_argument(
         "--landmarks",
         metavar="FILE",
-        help='JSON: [[source vertex, target vertex], ...] or {"source": [...], "target": [...]}',
+        help='JSON: [[source, target], ...], each with a weight if wanted, or {"source": [...], "target": [...]}; '
+        "points are vertex indices or positions",
     )
     parser.add_argument(
         "--scale", default="auto", metavar="auto|fixed|NUMBER", help="target units per source unit (default: auto)"
@@ -114,43 +111,3 @@ def _scale(text: str) -> str | float:
         return float(text)
     except ValueError:
         raise BadInput(f'--scale must be "auto", "fixed" or a number, not "{text}"') from None
-
-
-def read_landmarks(path: str) -> Any:
-    """Pairs or two lists, as match() takes them. Raises InvalidInput for anything else, naming the entry."""
-    try:
-        data = Path(path).read_bytes()
-    except OSError as error:
-        raise BadInput(f"{path}: {error.strerror or error}") from None
-    if len(data) > _LARGEST_LANDMARK_FILE:
-        raise InvalidInput(f"{path}: {len(data)} bytes are more than a list of landmarks may have")
-    try:
-        value = json.loads(data)
-    except (ValueError, RecursionError) as error:
-        raise InvalidInput(f"{path}: not JSON: {error}") from None
-    if isinstance(value, dict):
-        _check_lists(path, value)
-    elif isinstance(value, list):
-        for i, pair in enumerate(value):
-            if not isinstance(pair, list) or len(pair) != 2:
-                raise InvalidInput(f"{path}: entry {i} must be a pair [source vertex, target vertex]")
-            for entry in pair:
-                _check_vertex(entry, f"{path}: entry {i}")
-    else:
-        raise InvalidInput(f'{path}: must be a list of pairs, or an object with the lists "source" and "target"')
-    return value
-
-
-def _check_lists(path: str, value: dict[str, Any]) -> None:
-    if set(value) != {"source", "target"}:
-        raise InvalidInput(f'{path}: there must be two lists, "source" and "target"')
-    for key, entries in value.items():
-        if not isinstance(entries, list):
-            raise InvalidInput(f'{path}: "{key}" must be a list of vertices')
-        for i, entry in enumerate(entries):
-            _check_vertex(entry, f'{path}: "{key}" entry {i}')
-
-
-def _check_vertex(entry: Any, where: str) -> None:
-    if not isinstance(entry, int) or isinstance(entry, bool) or not 0 <= entry < 2**31:
-        raise InvalidInput(f"{where}: {json.dumps(entry)[:40]} is no vertex index")

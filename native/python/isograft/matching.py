@@ -11,10 +11,11 @@ from typing import Any
 import numpy as np
 
 from isograft import _native
-from isograft.arguments import to_int, to_landmarks, to_scale
+from isograft.arguments import to_int, to_scale
 from isograft.correspondence import Correspondence
 from isograft.errors import InvalidInput
 from isograft.formats.npz import read_npz, write_npz
+from isograft.landmarks import to_landmarks
 from isograft.presets import check_overrides, preset_options
 from isograft.report import Report
 from isograft.surface import Surface, as_surface
@@ -70,7 +71,9 @@ def match(
     Args:
         source, target: a Surface each, or tuples (vertices, faces) of (n, 3) numbers and (k, 3) integers.
         preset: see presets().
-        landmarks: known pairs of vertices, (k, 2) integers, or {"source": [...], "target": [...]}.
+        landmarks: known pairs of points: (k, 2) vertex indices, (k, 2, 3) positions, or {"source": ..., "target": ...}
+            with a list of either on each side and perhaps "weight", numbers in (0, 1]. They lead; our own matches
+            help, unless `seed_landmarks_only` is True.
         scale: target units per source unit: "auto" finds it, "fixed" is 1, or the number itself.
         threads: worker threads; None takes all cores. The result does not depend on it.
         seed: of every random choice.
@@ -95,14 +98,15 @@ def match(
         _native.check_memory(_size(source), _size(target), preset, options, thread_count, limit)
     s = as_surface(source, "source")
     t = as_surface(target, "target")
-    pairs = to_landmarks(landmarks, len(s.vertices), len(t.vertices))
+    marks = to_landmarks(landmarks, s.vertices, t.vertices)
 
     found = _native.match(
         s.native,
         t.native,
         preset=preset,
         overrides=options,
-        landmarks=np.ascontiguousarray(pairs),
+        landmarks=np.ascontiguousarray(marks.pairs),
+        landmark_weights=np.ascontiguousarray(marks.weights),
         scale_mode=scale_mode,
         scale_value=scale_value,
         threads=thread_count,

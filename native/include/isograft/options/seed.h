@@ -15,6 +15,8 @@ struct SeedOptions {
     double min_visible = 0.4;
     /// Candidates of one sample are at least this many sample spacings apart.
     double separation = 2.5;
+    /// Start from the landmarks alone.
+    bool landmarks_only = false;
 
     template <class Visitor>
     void visit(Visitor&& visitor) {
@@ -23,6 +25,7 @@ struct SeedOptions {
         visitor("probe_size", probe_size);
         visitor("min_visible", min_visible);
         visitor("separation", separation);
+        visitor("landmarks_only", landmarks_only);
     }
 
     /// \throw InvalidInput naming the first field that is out of range.

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+namespace isograft {
+
+/// Options of preset `paper`: the steps and parameters of the paper, sections 4.1 to 4.4 and 5.1, as printed there.
+///
+/// Lengths are in e0, the mean edge length of the source, or in R, 5 % of the source's geodesic diameter. No other
+/// stage's options are used, but those of the scale search.
+struct PaperOptions {
+    /// Run the paper's steps instead of ours.
+    bool steps = false;
+    /// Level 0 has about so many vertices at most; a finer mesh is decimated, with a warning.
+    int vertices = 10000;
+    /// Levels of the hierarchy, the vertices included.
+    int levels = 5;
+    /// Radii of the first and the last isocontour in R: 0.9 and 1.7 for clean surfaces, 1.5 and 3.4 for noisy ones.
+    double radius_min = 0.9;
+    double radius_max = 1.7;
+    /// Isocontours in between, those two included.
+    int contours = 10;
+    /// K: target features kept per source feature.
+    int candidates = 10;
+    /// w_D of eq. 7.
+    double descriptor_weight = 400.0;
+    /// w_C of eq. 8 times e0^2.
+    double distance_weight = 0.125;
+    /// A feature match joins a cluster while its dissimilarity is below this.
+    double cluster_limit = 11.5;
+    /// Oriented matches that are tried.
+    int matches = 200;
+    /// nu in e0.
+    double stretch_limit = 0.5;
+    /// Iterations of the least squares at every doubling of a map's area.
+    int iterations = 3;
+    /// Nearest maps that each map is joined with in the graph of the linkage (Zhang et al. 2012). The paper does not
+    /// say how many; with more, wrong maps tie everything together.
+    int neighbours = 5;
+    /// q: clusters are joined while the largest affinity is above this. Lower joins maps that agree less; the paper
+    /// uses 0 (samba), 1 (raw scans) and 1.9 (SCAPE).
+    double threshold = 1.0;
+    /// One over the decay of a map's say in the merge, in e1 = 2 e0.
+    double decay = 5.0;
+
+    template <class Visitor>
+    void visit(Visitor&& visitor) {
+        visitor("steps", steps);
+        visitor("vertices", vertices);
+        visitor("levels", levels);
+        visitor("radius_min", radius_min);
+        visitor("radius_max", radius_max);
+        visitor("contours", contours);
+        visitor("candidates", candidates);
+        visitor("descriptor_weight", descriptor_weight);
+        visitor("distance_weight", distance_weight);
+        visitor("cluster_limit", cluster_limit);
+        visitor("matches", matches);
+        visitor("stretch_limit", stretch_limit);
+        visitor("iterations", iterations);
+        visitor("neighbours", neighbours);
+        visitor("threshold", threshold);
+        visitor("decay", decay);
+    }
+
+    /// \throw InvalidInput naming the first field that is out of range.
+    void validate() const;
+};
+
+}  // namespace isograft

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace isograft {
+
+/// Options of graph_degree_linkage().
+struct LinkageOptions {
+    /// Each item is joined with so many nearest others.
+    int neighbours = 5;
+    /// q: clusters are joined while the largest affinity of two is above it.
+    double threshold = 1.0;
+};
+
+/// Clusters of items, the one of the highest intra-cluster affinity first.
+struct Clusters {
+    /// Per cluster its items, ascending; items without a neighbour are clusters of one.
+    std::vector<std::vector<int>> members;
+    /// Per cluster the sum over its members of in-degree times out-degree within it.
+    std::vector<double> affinity;
+};
+
+/// Weights of the directed k-nearest-neighbour graph: exp(-d^2 / sigma^2) from row to column where the column is among
+/// the row's nearest, sigma^2 the mean squared distance over all such pairs; 0 elsewhere and where d is infinite.
+/// \param distance square, symmetric, >= 0; infinite where two items cannot be compared.
+Eigen::MatrixXd neighbour_weights(const Eigen::MatrixXd& distance, int neighbours);
+
+/// Affinity of two clusters: 1' W_ab W_ba 1 / |a|^2 + 1' W_ba W_ab 1 / |b|^2 (Zhang et al. 2012, eq. 7); two lone
+/// items that point at each other with weight 1 have affinity 2.
+double affinity(const Eigen::MatrixXd& weight, const std::vector<int>& a, const std::vector<int>& b);
+
+/// Agglomerative clustering by graph degree linkage (Zhang, Wang, Zhao, Tang 2012; paper section 4.4).
+///
+/// Starts from single items and joins the two clusters of the largest affinity, ties by the lowest indices, until none
+/// is above the threshold. O(items^2) per join over the clusters' blocks.
+Clusters graph_degree_linkage(const Eigen::MatrixXd& distance, const LinkageOptions& options);
+
+}  // namespace isograft
