@@ -28,7 +28,8 @@ def grid(cells: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def planes(cells: int = 48) -> tuple[Case, np.ndarray]:
-    """A plane, the same with three peaks, the truth outside the peaks, and two true matches in opposite corners."""
+    """A plane, the same with three peaks, the truth outside the peaks, and two true matches in the near corners, so
+    that the way from one to the other leads past the peaks."""
     vertices, faces = grid(cells)
     peaked = vertices.copy()
     off = np.linalg.norm(vertices[:, None, :2] - PEAKS[None], axis=2).min(axis=1)
@@ -36,7 +37,8 @@ def planes(cells: int = 48) -> tuple[Case, np.ndarray]:
     peaked[on_peak, 2] = 0.5 * HEIGHT * (1.0 + np.cos(np.pi * off[on_peak] / RADIUS))
     truth = np.where(on_peak, -1, np.arange(len(vertices)))
     corner = 4 * (cells + 1) + 4
-    landmarks = np.array([(corner, corner), (len(vertices) - 1 - corner, len(vertices) - 1 - corner)], np.int32)
+    other = corner + cells - 8
+    landmarks = np.array([(corner, corner), (other, other)], np.int32)
     return Case((vertices, faces), (peaked, faces), _truth(truth), True), landmarks
 
 

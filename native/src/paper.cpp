@@ -64,14 +64,15 @@ struct Work {
 
 Detail work_detail(const Surface& surface, double factor, int vertices, const std::string& name, MatchReport& report,
                    Monitor& monitor) {
-    Detail detail{surface, scaled(surface.mesh(), factor), {}};
-    detail.coarse.mesh = detail.fine;
-    if (detail.fine.vertex_count() > vertices) {
+    Detail detail{surface, factor, {}};
+    const TriangleMesh fine = scaled(surface.mesh(), factor);
+    detail.coarse.mesh = fine;
+    if (fine.vertex_count() > vertices) {
         // An even mesh of equilateral triangles has two of them a vertex.
-        detail.coarse = coarsen(detail.fine, std::sqrt(detail.fine.area / (0.866 * vertices)), monitor);
+        detail.coarse = coarsen(fine, std::sqrt(fine.area / (0.866 * vertices)), monitor);
     }
     if (!detail.coarse.fine_vertex.empty()) {
-        report.warnings.push_back(name + ": decimated from " + std::to_string(detail.fine.vertex_count()) + " to " +
+        report.warnings.push_back(name + ": decimated from " + std::to_string(fine.vertex_count()) + " to " +
                                   std::to_string(detail.coarse.mesh.vertex_count()) +
                                   " vertices for preset paper; set paper_vertices for another size");
     }
@@ -115,7 +116,7 @@ Work prepare(const Surface& source, const Surface& target, const MatchOptions& o
 
 SurfacePoint place_of(const Detail& detail, int input_vertex) {
     const int v = working_vertices(detail.surface)[input_vertex];
-    return detail.coarse.place.empty() ? point_near_vertex(detail.fine, v) : detail.coarse.place[v];
+    return detail.coarse.place.empty() ? point_near_vertex(detail.coarse.mesh, v) : detail.coarse.place[v];
 }
 
 struct Features {
