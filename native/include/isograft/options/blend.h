@@ -24,7 +24,7 @@ struct BlendOptions {
     /// Largest mean relative difference of anchor distances of such a candidate.
     double max_incompatibility = 0.22;
     /// Largest probability of being wrong at which a sample stays in the map. Less of it buys precision with coverage.
-    double accept = 0.3;
+    double accept = 0.5;
     /// Rounds of careful extension with second passes before the last one.
     int careful_rounds = 3;
     /// A map that contradicts the best is kept as an alternative if it scores more than this share of it.
