@@ -63,13 +63,9 @@ std::vector<Landmark> to_landmarks(const IntArray& pairs, const DoubleArray& wei
 }
 
 Match match_arrays(const Surface& source, const Surface& target, const std::string& preset, const py::dict& overrides,
-<<<<<<< HEAD
-                   const IntArray& landmarks, const std::string& scale_mode, double scale_value, int threads,
-                   std::uint64_t seed, std::int64_t memory_limit, const py::object& progress) {
-=======
                    const IntArray& landmarks, const DoubleArray& landmark_weights, const std::string& scale_mode,
-                   double scale_value, int threads, std::uint64_t seed, const py::object& progress) {
->>>>>>> 3a2fb82 (Add preset paper, landmark files, experiments)
+                   double scale_value, int threads, std::uint64_t seed, std::int64_t memory_limit,
+                   const py::object& progress) {
     MatchOptions options = preset_options(preset);
     apply(overrides, options);
     set_scale(scale_mode, scale_value, options.scale);
@@ -115,9 +111,8 @@ void bind_match(py::module_& m) {
         py::arg("name"));
 
     m.def("match", &match_arrays, py::arg("source"), py::arg("target"), py::arg("preset"), py::arg("overrides"),
-<<<<<<< HEAD
-          py::arg("landmarks"), py::arg("scale_mode"), py::arg("scale_value"), py::arg("threads"), py::arg("seed"),
-          py::arg("memory_limit"), py::arg("progress"));
+          py::arg("landmarks"), py::arg("landmark_weights"), py::arg("scale_mode"), py::arg("scale_value"),
+          py::arg("threads"), py::arg("seed"), py::arg("memory_limit"), py::arg("progress"));
 
     m.def(
         "check_memory",
@@ -131,10 +126,6 @@ void bind_match(py::module_& m) {
         },
         py::arg("source"), py::arg("target"), py::arg("preset"), py::arg("overrides"), py::arg("threads"),
         py::arg("limit"));
-=======
-          py::arg("landmarks"), py::arg("landmark_weights"), py::arg("scale_mode"), py::arg("scale_value"),
-          py::arg("threads"), py::arg("seed"), py::arg("progress"));
->>>>>>> 3a2fb82 (Add preset paper, landmark files, experiments)
 }
 
 }  // namespace isograft::bindings
