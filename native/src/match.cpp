@@ -135,6 +135,7 @@ void MatchOptions::validate() const {
     blend.validate();
     dense.validate();
     scale.validate();
+    paper.validate();
     if (memory_limit < 0) throw InvalidInput("memory_limit must not be negative; 0 is no limit");
     if (threads < 0 || threads > 1024) throw InvalidInput("threads must be in [0, 1024]; 0 takes all cores");
 }

@@ -28,7 +28,10 @@ void blend(benchmark::State& state) {
     const auto matches =
         oriented_matches(twins.pair(), settings.feature, settings.seed, settings.threads, monitor, 0.0, 0.0);
     const auto patches = grow_patches(twins.pair(), settings, matches, 0, monitor, 0.0, 0.0);
-    for (auto _ : state) benchmark::DoNotOptimize(isograft::blend(twins.pair(), settings, patches, monitor, 0.0, 1.0));
+    const auto cores = find_cores(patches, settings.blend);
+    for (auto _ : state) {
+        benchmark::DoNotOptimize(isograft::blend(twins.pair(), settings, patches, cores, monitor, 0.0, 1.0));
+    }
 }
 BENCHMARK(blend)->Unit(benchmark::kMillisecond);
 
