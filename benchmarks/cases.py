@@ -82,7 +82,7 @@ def reversed_case(case: Case, *, unknown: bool) -> Case:
 
     known = truth.known
     positions = np.zeros((len(known), 3))
-    positions[known] = trueimages_of(truth, case.target)[known]
+    positions[known] = true_images(truth, case.target)[known]
     kept = np.flatnonzero(known[faces].all(axis=1))
     if not len(kept):
         raise InvalidInput("the truth cannot be turned round: no source triangle has three known corners")
@@ -112,7 +112,7 @@ def _read_truth(data: Path, pair: dict[str, str], source_size: int, target_size:
     raise InvalidInput(f"gt_kind {kind!r} is none of identity, vertex, none")
 
 
-def trueimages_of(truth: Truth, target: Shape) -> Floats:
+def true_images(truth: Truth, target: Shape) -> Floats:
     """(n, 3) true images; anything where there is none."""
     if truth.face is None:
         assert truth.vertex is not None
