@@ -10,7 +10,7 @@ import numpy.typing as npt
 from isograft import InvalidInput
 from isograft.evaluation import Truth
 
-from benchmarks.cases import Case, Shape, images_of
+from benchmarks.cases import Case, Shape, true_images
 from benchmarks.closest_point import closest_points
 
 Floats = npt.NDArray[np.float64]
@@ -55,7 +55,7 @@ def _truth_of(case: Case, truth: Truth, face: Ints, weights: Floats) -> Truth:
     assert target_faces is not None
     corners = case.source[1][face]
     known = truth.known[corners].all(axis=1)
-    images = images_of(truth, case.target)[corners]
+    images = true_images(truth, case.target)[corners]
     edge = np.linalg.norm(case.source[0][corners] - np.roll(case.source[0][corners], 1, axis=1), axis=2).max(axis=1)
     apart = np.linalg.norm(images - np.roll(images, 1, axis=1), axis=2).max(axis=1)
     # Truths told by vertices are as coarse as the target's edges.

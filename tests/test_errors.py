@@ -36,7 +36,7 @@ def started(stage: str, fraction: float) -> bool:
         ({"seed": 2**64}, "seed must be from 0"),
         ({"progress": 5}, "progress must be callable"),
         ({"growth_strech_limit": 0.4}, "no option 'growth_strech_limit'; did you mean growth_stretch_limit"),
-        ({"stretch_limit": 0.4}, "did you mean growth_stretch_limit"),
+        ({"stretch_limit": 0.4}, "did you mean .*growth_stretch_limit"),
         ({"landmark": []}, "no option 'landmark'"),
         ({"growth_stretch_limit": "wide"}, "growth_stretch_limit must be a number"),
         ({"growth_stretch_limit": None}, "growth_stretch_limit must be a number"),
@@ -70,7 +70,6 @@ def test_a_wrong_argument_is_refused_with_its_name_before_the_run(arguments: dic
     [
         (5, "source must be an isograft.Surface or a tuple"),
         (BALL[0], "source must be an isograft.Surface or a tuple"),
-        ((BALL[0],), "source: point clouds"),
         ((BALL[0], BALL[1], None, None), "tuple of 4"),
         ((BALL[0], BALL[1] + 1), "source: .*162"),
         ((BALL[0][:, :2], BALL[1]), "source: vertices must have shape"),

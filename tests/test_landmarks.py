@@ -91,6 +91,11 @@ def test_files_are_refused_by_name_and_entry(tmp_path: Path, text: str, words: s
         read_landmarks(path)
 
 
+@pytest.fixture(scope="module")
+def blob() -> surfaces.Mesh:
+    return surfaces.blob()
+
+
 def test_landmarks_alone_lead_both_engines(blob: surfaces.Mesh) -> None:
     marks = [[0, 0], [9, 9], [40, 40], [100, 100]]
     for preset in ("fast", "paper"):

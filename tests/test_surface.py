@@ -97,8 +97,15 @@ def test_repairs_are_told_with_their_number() -> None:
     assert all("1 " in text for text in warnings)
 
 
-def test_an_open_surface_has_an_ambiguous_side() -> None:
-    assert isograft.Surface(TETRAHEDRON, SIDES[:2]).orientation_is_ambiguous
+def test_an_open_surface_that_bulges_to_no_side_is_ambiguous() -> None:
+    square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]]
+    assert isograft.Surface(square, [[0, 1, 2], [0, 2, 3]]).orientation_is_ambiguous
+
+
+def test_an_open_surface_that_bulges_outward_is_not_ambiguous() -> None:
+    assert not isograft.Surface(TETRAHEDRON, SIDES[:3]).orientation_is_ambiguous
+    inward = [side[::-1] for side in SIDES[:3]]
+    assert isograft.Surface(TETRAHEDRON, inward).orientation_is_ambiguous
 
 
 def test_a_surface_survives_pickling() -> None:

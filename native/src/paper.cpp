@@ -35,7 +35,7 @@ void PaperOptions::validate() const {
     require(candidates >= 1 && candidates <= 1000, "candidates must be in [1, 1000]");
     require(descriptor_weight >= 0.0 && std::isfinite(descriptor_weight), "descriptor_weight must not be negative");
     require(distance_weight >= 0.0 && std::isfinite(distance_weight), "distance_weight must not be negative");
-    require(std::isfinite(cluster_limit), "cluster_limit must be finite");
+    require(cluster_limit >= 0.0 && std::isfinite(cluster_limit), "cluster_limit must not be negative");
     require(matches >= 1 && matches <= 2000, "matches must be in [1, 2000]");
     require(stretch_limit > 0.0 && stretch_limit <= 10.0, "stretch_limit must be in (0, 10]");
     require(iterations >= 1 && iterations <= 100, "iterations must be in [1, 100]");
