@@ -209,10 +209,10 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
     };
 
     const double denoise = options.surface.denoise;
-    PreparedPair prepared =
-        denoise > 0.0 ? prepare_pair(source.denoised(denoise, watcher), target.denoised(denoise, watcher), options,
-                                     report, watcher, 0.0, prepared_by)
-                      : prepare_pair(source, target, options, report, watcher, 0.0, prepared_by);
+    PreparedPair prepared = denoise > 0.0
+                                ? prepare_pair(source.denoised(denoise, watcher), target.denoised(denoise, watcher),
+                                               options, report, watcher, 0.0, prepared_by)
+                                : prepare_pair(source, target, options, report, watcher, 0.0, prepared_by);
     const Pair& pair = prepared.pair;
     watch.lap();
 

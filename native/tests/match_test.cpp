@@ -136,8 +136,8 @@ TEST(Match, GivesBothAnswersWhereTheShapeMapsOntoItself) {
     const Match result = match(source, target, options);
     ASSERT_EQ(result.correspondences.size(), 2U);
     const Eigen::Matrix3d half_turn = Eigen::Vector3d(-1.0, -1.0, 1.0).asDiagonal();
-    const shapes::Shape other = shapes::moved(shapes::moved(shape, half_turn, {0.0, 0.0, 0.0}),
-                                              shapes::some_rotation(), {1.0, 2.0, 3.0});
+    const shapes::Shape other =
+        shapes::moved(shapes::moved(shape, half_turn, {0.0, 0.0, 0.0}), shapes::some_rotation(), {1.0, 2.0, 3.0});
     const double radius = spacing(target.mesh(), options);
     double straight = 0.0, round = 0.0;
     for (const Correspondence& c : result.correspondences) {

@@ -16,7 +16,8 @@ void merge_into(PartialMap& map, const Pair& pair, const PatchSettings& settings
 std::vector<int> continuous_parts(const PartialMap& map, const Pair& pair);
 
 /// Drop every part that touches a larger one on S and lies elsewhere on T, or that the largest reaches on S over a gap
-/// shorter than the straight line on T: it was taken for another limb. Parts that touch nothing stay. \return number of samples dropped.
+/// shorter than the straight line on T: it was taken for another limb. Parts that touch nothing stay. \return number of
+/// samples dropped.
 int drop_torn_parts(PartialMap& map, const Pair& pair);
 
 }  // namespace isograft
