@@ -29,7 +29,7 @@ LEVELS = [
     ("scape_000_001", 4.0, 0.88),
     ("tosca_wolf1_wolf2", 3.0, 0.85),
     ("shrec16_cuts_dog_shape_8", 6.0, 0.75),
-    ("anim_horse-poses_1__4", 3.0, 0.88),
+    ("anim_samba_mesh_0000__mesh_0080", 3.0, 0.88),
 ]
 
 

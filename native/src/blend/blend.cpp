@@ -92,8 +92,6 @@ std::vector<std::size_t> rank(const std::vector<Contender>& contenders, const Bl
 
 // The surest parts first: what a careful round adds helps to judge the next one.
 void extend_carefully(Completion& completion, const BlendOptions& options) {
-    // A single sample's evidence is noisier than that of its ring, which has the last word.
-    const double lenient = std::min(0.9, 1.75 * options.accept);
     completion.trim(options.accept);
     for (int round = 0; round < options.careful_rounds; ++round) {
         const int before = completion.map().count;
@@ -103,7 +101,8 @@ void extend_carefully(Completion& completion, const BlendOptions& options) {
         completion.trim(0.8 * options.accept);
         if (completion.map().count <= before + 2) break;
     }
-    completion.extend(lenient);
+    // A single sample's evidence is noisier than that of its ring, so the last extension is free and judged as a whole.
+    completion.extend(1.0);
     completion.trim(options.accept);
 }
 
