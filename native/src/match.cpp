@@ -109,6 +109,10 @@ double scale_correction(const Pair& pair, const Grown& grown, const MatchOptions
     return 1.0;
 }
 
+// Doubt is about errors above 0.1 of the root of T's area; confidence promises half of that. Of 93 pairs with a known
+// truth, vertices with 1 - doubt = 0.67, 0.76, 0.86 and 0.98 were right in 0.39, 0.53, 0.68 and 0.96 of the cases.
+double confidence_of(double doubt) { return std::pow(1.0 - doubt, 2.45); }
+
 void warn_of_answers(const std::vector<Blended>& answers, MatchReport& report) {
     if (answers.front().map.count == 0) {
         report.warnings.emplace_back(
@@ -246,7 +250,7 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
         still.iterations = 0;
         notes.stretch = relax(pair.source.samples, pair.target.mesh, options.growth, still, map);
         notes.region = continuous_parts(map, pair);
-        for (const double doubt : answers[i].risk) notes.confidence.push_back(1.0 - doubt);
+        for (const double doubt : answers[i].risk) notes.confidence.push_back(confidence_of(doubt));
         result.correspondences.push_back(densify(map, pair, notes, options.dense, prepared.source, prepared.target,
                                                  options.threads, watcher, refined,
                                                  begin + (1.0 - blended_by) * share));
