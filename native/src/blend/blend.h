@@ -21,7 +21,7 @@ struct Blended {
     int maps_in_core = 0;
 };
 
-/// Complete the strongest cores, choose one, and carry it carefully into the rest (DESIGN section 3, stage 7).
+/// Complete the strongest cores, choose one, and carry it carefully into the rest (what paper section 4.4 is there for).
 ///
 /// \param cores those of find_cores(), the strongest first.
 /// \return the chosen map, empty where even the best core fits the surfaces no better than chance; after it those that

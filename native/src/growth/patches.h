@@ -35,7 +35,7 @@ double mean_mismatch(const Pair& pair, const FeatureOptions& options, const Part
 /// A small map from one oriented match, and how good it is (see Patch::quality).
 Patch probe(const Pair& pair, const PatchSettings& settings, Grower& grower, const OrientedMatch& match, int size);
 
-/// Probe the first matches, keep the best, and grow those on (DESIGN section 3, stages 5 and 6).
+/// Probe the first matches, keep the best, and grow those on (after the paper's section 4.3).
 ///
 /// Many middle-sized maps instead of the paper's 200 whole ones: drift is not the limit, a whole limb taken for
 /// another is. \param forced the first so many matches are always kept (landmarks).

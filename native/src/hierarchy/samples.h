@@ -66,7 +66,7 @@ struct SampledMesh {
 /// The spacing at which `samples` points fill an area of `area`.
 double sample_spacing(double area, int samples);
 
-/// Spread samples over a mesh, join them, and number their levels (DESIGN section 1, hierarchy; paper section 4.1).
+/// Spread samples over a mesh, join them, and number their levels (paper section 4.1).
 ///
 /// Samples are picked by Poisson disks of geodesic radius `spacing` in seeded random order, whatever the
 /// triangulation; level j + 1 is picked from level j with twice the radius. Edges are walked straight on the surface,
