@@ -7,9 +7,10 @@ from typing import Any
 import bpy
 import numpy as np
 
-from . import bridge, pairing
+from . import bridge, cutting, pairing
 from .bridge import RefusedError
-from .kinds import KINDS, Kind
+from .cutting import Cut
+from .kinds import KINDS, Kind, UVMaps
 from .matching import Messages
 from .pairing import Pair
 from .settings import Names, Settings
@@ -64,20 +65,7 @@ def prepare(donor: Any, receivers: list[Any], context: bpy.types.Context, settin
     """
     if not settings.what:
         raise RefusedError("Nothing to transfer; choose what the receivers are to get")
-    chosen = [kind for name, kind in KINDS.items() if name in settings.what]
-    gifts: dict[tuple[type[Kind], bool], Any] = {}
-    grafts = []
-    # Whoever is refused is refused before anything is computed.
-    for pair in pairing.make(donor, receivers, context, settings.min_confidence):
-        mesh = pair.receiver.data
-        names = Names((layer.name for layer in (*mesh.uv_layers, *mesh.attributes)), settings.overwrite)
-        kinds = []
-        for kind in chosen:
-            key = kind, pair.donor.is_own
-            if key not in gifts:
-                gifts[key] = kind.read(pair.donor, settings)
-            kinds.append(kind(pair, gifts[key], settings, names))
-        grafts.append(Graft(pair, kinds))
+    grafts = _read(donor, receivers, context, settings)
     for graft in grafts:
         graft.compute()
     return grafts
@@ -89,5 +77,68 @@ def transfer_all(donor: Any, receivers: list[Any], context: bpy.types.Context, s
     Raises:
         RefusedError: as prepare(); nothing was changed.
     """
-    grafts = prepare(donor, receivers, context, settings)
-    return [message for graft in grafts for message in graft.write()]
+    cuts: list[list[Cut]] = [[] for _ in receivers]
+    if settings.cut_seams and "UV" in settings.what:
+        for obj in receivers:
+            bridge.refuse_unwritable(obj)
+        # Found and transferred on copies of the meshes, so that all is known before the first write.
+        with bridge.trial(receivers):
+            cuts = _cut(donor, receivers, context, settings)
+            grafts = prepare(donor, receivers, context, settings)
+    else:
+        grafts = prepare(donor, receivers, context, settings)
+    messages: Messages = []
+    for graft, made in zip(grafts, cuts, strict=True):
+        for cut in made:
+            cut.apply(graft.pair.receiver)
+        messages += [*_cut_messages(graft.pair.name, donor.name, made), *graft.write()]
+    return messages
+
+
+def _read(donor: Any, receivers: list[Any], context: bpy.types.Context, settings: Settings) -> list[Graft]:
+    """Whoever is refused is refused here, before anything is computed."""
+    chosen = [kind for name, kind in KINDS.items() if name in settings.what]
+    gifts: dict[tuple[type[Kind], bool], Any] = {}
+    grafts = []
+    for pair in pairing.make(donor, receivers, context, settings.min_confidence):
+        mesh = pair.receiver.data
+        names = Names((layer.name for layer in (*mesh.uv_layers, *mesh.attributes)), settings.overwrite)
+        kinds = []
+        for kind in chosen:
+            key = kind, pair.donor.is_own
+            if key not in gifts:
+                gifts[key] = kind.read(pair.donor, settings)
+            kinds.append(kind(pair, gifts[key], settings, names))
+        grafts.append(Graft(pair, kinds))
+    return grafts
+
+
+def _cut(donor: Any, receivers: list[Any], context: bpy.types.Context, settings: Settings) -> list[list[Cut]]:
+    """Cut every receiver along the seams of one chosen UV map after the other; returns what was done to each."""
+    cuts: list[list[Cut]] = [[] for _ in receivers]
+    number, maps = 0, 1
+    while number < maps:
+        found = []
+        for graft in _read(donor, receivers, context, settings):
+            cutting.refuse(graft.pair)
+            seams = next(kind for kind in graft.kinds if isinstance(kind, UVMaps)).seam_maps()
+            maps = len(seams)
+            with pairing.named(graft.pair.name):
+                found.append(cutting.find(graft.pair, seams[number]))
+        for obj, made, cut in zip(receivers, cuts, found, strict=True):
+            if cut is not None:
+                cut.apply(obj)
+                made.append(cut)
+        number += 1
+    return cuts
+
+
+def _cut_messages(receiver: str, donor: str, cuts: list[Cut]) -> Messages:
+    faces, whole = sum(len(np.unique(cut.faces)) for cut in cuts), sum(cut.left_whole for cut in cuts)
+    messages: Messages = []
+    if whole:
+        text = f"{whole:,} concave faces were not cut; triangulate them first to have them cut"
+        messages.append(("WARNING", f"{receiver}: {text}"))
+    if faces:
+        messages.append(("INFO", f"{receiver}: {faces:,} faces were cut along the seams of {donor}"))
+    return messages

@@ -136,7 +136,7 @@ class VIEW3D_PT_isograft_wrap(bpy.types.Panel):
 
 
 _KIND_SETTINGS = (
-    ("UV", "UV Maps", ("uv_names", "mark_seams", "link_materials")),
+    ("UV", "UV Maps", ("uv_names", "mark_seams", "cut_seams", "link_materials")),
     ("COLOR", "Colours", ("color_names",)),
     (
         "GROUPS",

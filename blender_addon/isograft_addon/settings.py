@@ -22,6 +22,7 @@ class Settings:
     fill: bool = False
     uv_names: str = ""
     mark_seams: bool = True
+    cut_seams: bool = False
     color_names: str = ""
     attribute_names: str = ""
     group_names: str = ""

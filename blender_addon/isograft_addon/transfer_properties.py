@@ -78,6 +78,11 @@ def transfer_settings() -> dict[str, Any]:
         "mark_seams": _switch(
             "Mark Seams", "Mark receiver edges along the seams of the donor's rendered UV map", default.mark_seams
         ),
+        "cut_seams": _switch(
+            "Cut Seams",
+            "Cut receiver faces where the donor's seams run through them, so that UVs are exact on both sides",
+            default.cut_seams,
+        ),
         "color_names": _names("Colours", "colour attributes", default.color_names),
         "attribute_names": _names("Attributes", "attributes", default.attribute_names),
         **_group_settings(default),

@@ -5,6 +5,7 @@ Reading never changes an object. Writing only happens in the write_... functions
 """
 
 from .attributes import AttributeLayer, read_attribute, read_attributes, read_face_attribute, write_attribute
+from .cut import cut_faces, trial
 from .groups import Group, armature_modifiers, read_groups, read_weights, write_armatures, write_weights
 from .images import color_space, is_data, read_image, write_image, write_material
 from .keys import Key, are_relative, copy_drivers, key_drivers, read_keys, through_modifiers, write_keys
@@ -59,6 +60,7 @@ __all__ = [
     "color_space",
     "copy_drivers",
     "copy_mesh",
+    "cut_faces",
     "is_data",
     "key_drivers",
     "own_arrays",
@@ -81,6 +83,7 @@ __all__ = [
     "refuse_unwritable",
     "smart_unwrap",
     "through_modifiers",
+    "trial",
     "write_armatures",
     "write_attribute",
     "write_corner_normals",

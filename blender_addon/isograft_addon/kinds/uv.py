@@ -88,6 +88,10 @@ class UVMaps(Kind):
         """Names of the maps."""
         return [layer.name for layer in self._moved]
 
+    def seam_maps(self) -> list[Array]:
+        """(3 G, 2) of every chosen map, along whose seams the receiver may be cut."""
+        return [layer.values[self.pair.given.corners] for layer in self._layers]
+
     def _seam_layer(self) -> CornerLayer:
         """The chosen map of the donor whose seams count: the rendered one, else the last."""
         return next((layer for layer in self._layers if layer.is_render), self._layers[-1])
