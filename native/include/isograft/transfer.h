@@ -103,8 +103,9 @@ Eigen::VectorXi uv_islands(const Triangles& faces, const CornerValues& values, d
 
 /// Find where to read every corner of the receiver so that no receiver triangle (or polygon) spans a seam.
 ///
-/// The donor triangle under the centroid of the three images decides: around it the donor is unfolded without crossing
-/// a seam, and each corner is read in this patch, at its own image if that lies in it, else at the nearest point of the
+/// The donor triangle under the centroid of the three images decides, unless another patch serves the neighbours better
+/// and hardly less of the triangle (see vote_on_seams()): around it the donor is unfolded without crossing a seam, and
+/// each corner is read in this patch, at its own image if that lies in it, else at the nearest point of the
 /// patch, extended in the plane of its triangle. So seams run along receiver edges, also those inside one island (a
 /// tube cut open along a line). Receiver triangles that share a corner and a patch read it in one place. A triangle is
 /// unmatched if a corner is, or if its images are torn apart: over four times as long as the pair's median stretch

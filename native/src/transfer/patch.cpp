@@ -33,7 +33,9 @@ constexpr double thinnest = 1e-3;
 PatchReader::PatchReader(const DonorView& donor, double extrapolation)
     : donor_(donor), extrapolation_(extrapolation), stamp_(donor.faces.rows(), 0), slot_(donor.faces.rows(), 0) {}
 
-bool PatchReader::read(const std::vector<Image>& images, const Vector3d& centre, std::vector<Place>& places) {
+bool PatchReader::read(const std::vector<Image>& images, const Vector3d& centre, std::vector<Place>& places, int root) {
+    root_ = images[0].face;
+    parted_ = false;
     places.resize(images.size());
     for (std::size_t i = 0; i < images.size(); ++i) places[i] = {images[i].face, images[i].weights};
     const auto alone = [&](const Image& image) { return image.face == images[0].face; };
@@ -44,11 +46,13 @@ bool PatchReader::read(const std::vector<Image>& images, const Vector3d& centre,
     gather(images, centre, reach * radius + donor_.same_point);
     if (!seams_near_ && parts_ == 1) return true;
 
-    const int root = choose_root(images, radius);
-    measure_paths(root, centre, true);
-    measure_paths(root, centre, false);
+    const int start = root < 0 ? choose_root(images, radius) : slot_[root];
+    root_ = nodes_[start].face;
+    measure_paths(start, centre, true);
+    measure_paths(start, centre, false);
     for (std::size_t i = 0; i < images.size(); ++i) {
         const Node& own = nodes_[slot_[images[i].face]];
+        parted_ = parted_ || !visible(own);
         if (visible(own) && images[i].weights.minCoeff() > on_edge) continue;
         const Reading reading = nearest(images[i].point);
         const double gap = donor_.longest_edge[nodes_[reading.node].face];

@@ -17,8 +17,19 @@ class PatchReader {
     PatchReader(const DonorView& donor, double extrapolation);
 
     /// \param centre mean of the images over the polygon's area.
-    /// \param places one per image. \return false if the images are not connected near each other.
-    bool read(const std::vector<Image>& images, const Eigen::Vector3d& centre, std::vector<Place>& places);
+    /// \param places one per image. \param root triangle under an image whose patch is read; -1: that under the centre.
+    /// \return false if the images are not connected near each other.
+    bool read(const std::vector<Image>& images, const Eigen::Vector3d& centre, std::vector<Place>& places,
+              int root = -1);
+
+    /// Of the polygon read last: true if some of its images do not lie in the patch.
+    [[nodiscard]] bool parted() const { return parted_; }
+    /// True if triangle `face`, that of an image, lies in the patch.
+    [[nodiscard]] bool reaches(int face) const { return !parted_ || visible(nodes_[slot_[face]]); }
+    /// A triangle of the patch: the one it was read around, or that of the first image.
+    [[nodiscard]] int root() const { return root_; }
+    /// Distance of a point from the patch, if parted().
+    [[nodiscard]] double distance(const Eigen::Vector3d& p) const { return nearest(p).distance; }
 
   private:
     // A triangle near the images. Lengths of paths from the root, infinite where none leads.
@@ -56,6 +67,8 @@ class PatchReader {
     int run_ = 0;
     bool seams_near_ = false;
     int parts_ = 0;
+    int root_ = -1;
+    bool parted_ = false;
     std::vector<int> stamp_;
     std::vector<int> slot_;
     std::vector<Node> nodes_;
