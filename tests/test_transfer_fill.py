@@ -7,7 +7,7 @@ import isograft
 import numpy as np
 import pytest
 from isograft import transfer
-from seamed_shapes import COARSE, RECEIVERS, cube, cylinder, grid, identity_map, pair, torus
+from seamed_shapes import COARSE, RECEIVERS, SHAPES, cube, cylinder, grid, identity_map, pair, torus
 
 TURN, _ = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))
 TURN *= np.linalg.det(TURN)
@@ -179,3 +179,65 @@ def test_wrapping_refuses_what_does_not_fit():
     correspondence.vertex[:] = -1
     with pytest.raises(isograft.InvalidInput, match="0 donor vertices are matched, at least 3"):
         transfer.wrap(correspondence, *receiver[:2], *donor[:2])
+
+
+def test_baked_images_go_on_smoothly_into_what_is_unmatched():
+    """On a plane a colour that is linear in the place stays linear through a hole: a bi-Laplacian's law."""
+    vertices, faces, uv = flat(12)
+    correspondence = identity_map(vertices, faces)
+    hole = (np.abs(vertices[:, :2] - vertices[:, :2].mean(axis=0)) < 0.2 * np.ptp(vertices[:, 0])).all(axis=1)
+    correspondence.face[hole] = correspondence.vertex[hole] = -1
+    size = 64
+    u, v = np.meshgrid((np.arange(size) + 0.5) / size, (np.arange(size) + 0.5) / size)
+    picture = np.stack([u, 0.5 * v, 0.25 + 0.5 * u], axis=-1).astype(np.float32)
+    tilted = np.broadcast_to(np.float32([0.7, 0.4, 0.9]), (4, 4, 3))
+    channels = [transfer.Channel(picture, extension="extend"), transfer.Channel(tilted, kind="normal")]
+    arguments = correspondence, vertices, faces, uv, vertices, faces, uv, channels, size
+    plain, baked = transfer.bake(*arguments, margin=0), transfer.bake(*arguments, margin=0, fill=True)
+    holes = plain.mask == 0
+    assert holes.sum() > 100
+    assert not plain.filled.any()
+    np.testing.assert_array_equal(baked.mask == 3, holes)
+    np.testing.assert_array_equal(baked.filled, hole[faces].any(axis=1))
+    for one, other in zip(plain.images, baked.images, strict=True):
+        np.testing.assert_array_equal(one[~holes], other[~holes])
+    # Sampled beside the corners of the border, the colour there is off by a fifth of an edge.
+    assert np.abs(baked.images[0] - picture)[holes].max() < 0.05
+    np.testing.assert_allclose(baked.images[1][holes], [[0.5, 0.5, 1.0]] * holes.sum(), atol=1e-6)
+
+
+def test_filled_texels_get_a_margin_too_and_bytes_are_rounded():
+    vertices, faces, uv = flat(6)
+    correspondence = identity_map(vertices, faces)
+    correspondence.face[24] = correspondence.vertex[24] = -1
+    layout = 0.25 + 0.5 * uv
+    grey = np.full((2, 2, 1), 77, np.uint8)
+    baked = transfer.bake(
+        correspondence, vertices, faces, layout, vertices, faces, uv, transfer.Channel(grey), 48, margin=3, fill=True
+    )
+    assert set(np.unique(baked.mask)) == {0, 1, 2, 3}
+    assert (baked.images[0][baked.mask > 0] == 77).all()
+    assert (baked.images[0][baked.mask == 0] == 0).all()
+
+
+def test_an_image_without_anything_baked_is_not_filled():
+    vertices, faces, uv = flat(4)
+    correspondence = identity_map(vertices, faces)
+    correspondence.face[:] = correspondence.vertex[:] = -1
+    channel = transfer.Channel(np.ones((2, 2, 3), np.float32))
+    baked = transfer.bake(correspondence, vertices, faces, uv, vertices, faces, uv, channel, 16, fill=True)
+    assert not baked.mask.any() and not baked.filled.any()
+
+
+def test_custom_normals_lean_in_a_hole_as_they_lean_around_it():
+    vertices, faces, _ = SHAPES["sphere"](*COARSE["sphere"])
+    corners = vertices[faces].reshape(-1, 3)
+    smooth = corners / np.linalg.norm(corners, axis=1, keepdims=True)
+    known = ~(smooth.reshape(-1, 3, 3) @ [0.48, 0.6, 0.64] > 0.8).any(axis=1)
+    given = np.where(np.repeat(known, 3)[:, None], smooth, 0.0)
+    filled = transfer.fill_normals(vertices, faces, given, known)
+    np.testing.assert_array_equal(filled.filled, ~known)
+    np.testing.assert_array_equal(filled.values[np.repeat(known, 3)], given[np.repeat(known, 3)])
+    np.testing.assert_allclose(np.linalg.norm(filled.values, axis=1), 1.0, atol=1e-9)
+    # Normals of the sphere itself around the hole: those of the sphere in it, as far as coarse triangles tell.
+    assert (np.einsum("ij,ij->i", filled.values, smooth) > 0.98).all()

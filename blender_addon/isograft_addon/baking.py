@@ -2,7 +2,7 @@
 """What object.isograft_bake computes, whole, before it writes: the donor's images in the receiver's own UVs."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import bpy
@@ -12,15 +12,17 @@ from isograft import transfer
 from . import bridge, channels, pairing
 from .bridge import Array, RefusedError
 from .channels import BakedInput
+from .grafting import filled_text, mark_filled
+from .kinds.filling import fill_corners, marks
 from .matching import Messages
 from .pairing import Pair
-from .settings import Names
+from .settings import Names, OfProperties
 
 Progress = Callable[[str, float], bool]
 
 
 @dataclass(frozen=True)
-class BakeSettings:
+class BakeSettings(OfProperties):
     """The properties of object.isograft_bake."""
 
     size: int = 1024
@@ -28,14 +30,10 @@ class BakeSettings:
     uv_source: str = "EXISTING"
     uv_map: str = ""
     float_images: bool = False
+    fill: bool = False
     overwrite: bool = False
     min_confidence: float = 0.0
     threads: int = 0
-
-    @classmethod
-    def of(cls, properties: Any) -> "BakeSettings":
-        """Those of an operator."""
-        return cls(**{item.name: getattr(properties, item.name) for item in fields(cls)})
 
 
 @dataclass
@@ -56,6 +54,8 @@ class Bake:
     warnings: list[str] = field(default_factory=list)
     polygons: Array = field(default_factory=lambda: np.zeros(0, dtype=bool))
     images: list[Array] = field(default_factory=list)
+    filled: Array = field(default_factory=lambda: np.zeros(0, dtype=bool))
+    """(n,) vertices around which the images are filled."""
 
     def compute(self, progress: Progress) -> None:
         """Bake; touches no object of Blender's."""
@@ -65,8 +65,11 @@ class Bake:
             moved = transfer.transfer_corner_uv(
                 pair.correspondence, *pair.geometry(), self.donor_uv, receiver_polygons=pair.own.polygons
             )
-            self.uv = pair.to_loops(moved.uv, moved.mask)
-            whole &= pair.whole_polygons(moved.mask)
+            uv, mask = moved.uv, moved.mask
+            whole &= pair.whole_polygons(mask)
+            if self.settings.fill:
+                uv, mask, _ = fill_corners(pair, uv, mask)
+            self.uv = pair.to_loops(uv, mask)
         self.polygons = whole
         own, triangles, given, donor_triangles = pair.geometry()
         baked = transfer.bake(
@@ -82,10 +85,13 @@ class Bake:
             donor_materials=self.triangle_materials,
             receiver_mask=whole[pair.own.polygons],
             margin=self.settings.margin,
+            fill=self.settings.fill,
             threads=self.settings.threads or None,
             progress=lambda stage, fraction: progress(f"{pair.name}: {stage}", fraction),
         )
         self.images = list(baked.images)
+        self.filled = marks(pair, whole[pair.own.polygons], baked.filled)
+        self.polygons = whole | pair.whole_polygons(whole[pair.own.polygons] | baked.filled)
         if not np.any(np.asarray(baked.mask) == 1):
             raise RefusedError(
                 f"{pair.name}: no texel of its UV map lies on a matched face; choose another UV map, or a new unwrap"
@@ -111,6 +117,7 @@ class Bake:
         index = bridge.own_polygon_materials(obj)
         index[self.polygons] = slots.index(material)
         bridge.write_polygon_materials(obj, slots, index)
+        mark_filled(obj, self.filled)
         obj.data.update()
         return self._messages(material.name)
 
@@ -125,6 +132,8 @@ class Bake:
             count = int(np.count_nonzero(~self.polygons))
             text = f"{count:,} of {len(self.polygons):,} faces are unmatched; they keep their material"
             messages.append(("WARNING", f"{self.pair.name}: {text}"))
+        if self.filled.any():
+            messages.append(("WARNING", filled_text(self.pair.name, self.filled)))
         names = ", ".join(item.shown.name for item in self.inputs)
         size = f"{self.settings.size} x {self.settings.size}"
         messages.append(("INFO", f"{self.pair.name}: baked {names} at {size} into the material {material}"))

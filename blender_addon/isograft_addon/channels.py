@@ -84,13 +84,12 @@ def read(donor: Donor, as_float: bool) -> Gift:
     maps = {layer.name: layer.values for layer in layers} | {"": render.values}
     loop_slots = slots[donor.arrays.loop_polygons]
     first = used[0]
+    constants = list(by_name[first].values())
     for name in by_name[first]:
         items = {index: inputs[name] for index, inputs in by_name.items() if name in inputs}
         if _is_baked(list(items.values())):
             _refuse_mixture(obj.name, name, items, gift.warnings)
-            gift.inputs.append(
-                _baked(obj.name, items, materials, maps, loop_slots, list(by_name[first].values()), as_float)
-            )
+            gift.inputs.append(_baked(obj.name, items, materials, maps, loop_slots, constants, as_float, render.name))
     if not any(item.texture for inputs in by_name.values() for item in inputs.values()):
         raise RefusedError(f"{obj.name}: no material of it has an image; connect one to a Principled BSDF first")
     return gift
@@ -110,6 +109,7 @@ def _baked(
     loop_slots: Array,
     constants: list[Input],
     as_float: bool,
+    render: str,
 ) -> BakedInput:
     textures = {index: item.texture for index, item in items.items() if item.texture is not None}
     shown = next((item for item in items.values() if item.texture is not None), next(iter(items.values())))
@@ -138,6 +138,8 @@ def _baked(
                 f"{owner}: the material {materials[index].name} asks for a UV map called {texture.uv_map}, which is "
                 "not there; make it, or choose another in the material"
             )
+        if shown.kind == "normal":
+            _refuse_turned(f"{owner}: {shown.name} of the material {materials[index].name}", item, render)
         mine = loop_slots == index
         uv[mine] = maps[texture.uv_map][mine] @ texture.placement[:2, :2].T + texture.placement[:2, 2]
     space = next(iter(spaces)) if stays_byte else ("" if is_color else "Non-Color")
@@ -145,6 +147,22 @@ def _baked(
     extension = _EXTENSION[texture.extension] if texture else "repeat"
     interpolation = "closest" if texture and texture.interpolation == "Closest" else "linear"
     return BakedInput(shown, images, space, uv, extension, interpolation, constants)
+
+
+def _refuse_turned(where: str, item: Input, render: str) -> None:
+    """A normal map is read in the tangents of the UVs that place it."""
+    texture = item.texture
+    assert texture is not None
+    if (item.tangent_map or render) != (texture.uv_map or render):
+        raise RefusedError(
+            f"{where} takes its tangents from the UV map {item.tangent_map or render} and its image from "
+            f"{texture.uv_map or render}; choose the same in both nodes"
+        )
+    linear = texture.placement[:2, :2]
+    if abs(linear[0, 1]) > 1e-6 or abs(linear[1, 0]) > 1e-6 or linear.diagonal().min() <= 0:
+        raise RefusedError(
+            f"{where} is turned or mirrored by a Mapping node, and its tangents are not; turn the UV map itself"
+        )
 
 
 def _values(pixels: Array, texture: Texture, width: int, stays_byte: bool) -> Array:

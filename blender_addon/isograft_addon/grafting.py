@@ -21,6 +21,20 @@ FILLED = "isograft_filled"
 """Point attribute on the receiver: True where what was received is completed, not found."""
 
 
+def filled_text(name: str, filled: Any) -> str:
+    """What to say of an object of which some vertices (n,) were filled."""
+    count = int(np.count_nonzero(filled))
+    return f"{name}: {count:,} unmatched vertices were filled; the attribute {FILLED} marks them"
+
+
+def mark_filled(obj: Any, filled: Any) -> None:
+    """Mark vertices (n,) of an object, beside those that are marked already."""
+    if not filled.any():
+        return
+    before = bridge.read_attribute(obj, FILLED, "BOOLEAN")
+    bridge.write_attribute(obj, FILLED, "POINT", "BOOLEAN", filled if before is None else filled | before)
+
+
 @dataclass
 class Graft:
     """Everything one receiver gets."""
@@ -36,10 +50,8 @@ class Graft:
                 kind.compute()
         self.messages = [("WARNING", text) for text in self.pair.arrays.warnings]
         self.messages += [("WARNING", text) for kind in self.kinds for text in kind.warnings]
-        filled = int(np.count_nonzero(self._filled))
-        if filled:
-            text = f"{self.pair.name}: {filled:,} unmatched vertices were filled; the attribute {FILLED} marks them"
-            self.messages.append(("WARNING", text))
+        if self._filled.any():
+            self.messages.append(("WARNING", filled_text(self.pair.name, self._filled)))
         parts = [text for kind in self.kinds if (text := kind.summary())]
         self.messages.append(("INFO", f"{self.pair.name}: received {' and '.join(parts) or 'nothing'}"))
 
@@ -47,8 +59,7 @@ class Graft:
         """Write it all; returns what to report."""
         for kind in self.kinds:
             kind.write()
-        if self._filled.any():
-            bridge.write_attribute(self.pair.receiver, FILLED, "POINT", "BOOLEAN", self._filled)
+        mark_filled(self.pair.receiver, self._filled)
         self.pair.receiver.data.update()
         return self.messages
 

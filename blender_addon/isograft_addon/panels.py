@@ -104,7 +104,7 @@ class VIEW3D_PT_isograft_bake(bpy.types.Panel):
         layout.use_property_decorate = False
         settings = context.window_manager.isograft_bake
         column = layout.column()
-        for name in ("uv_source", "uv_map", "size", "margin", "float_images", "min_confidence", "overwrite"):
+        for name in ("uv_source", "uv_map", "size", "margin", "float_images", "fill", "min_confidence", "overwrite"):
             _setting(column, settings, name)
         row = layout.row()
         row.scale_y = 1.4

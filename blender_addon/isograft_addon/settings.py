@@ -4,15 +4,24 @@
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, fields
 from fnmatch import fnmatchcase
-from typing import Any, TypeVar
+from typing import Any, Self, TypeVar
 
 from .bridge import RefusedError
 
 Item = TypeVar("Item")
 
 
+class OfProperties:
+    """A dataclass whose fields are called as the properties of an operator."""
+
+    @classmethod
+    def of(cls, properties: Any) -> Self:
+        """Those of an operator."""
+        return cls(**{item.name: getattr(properties, item.name) for item in fields(cls)})
+
+
 @dataclass(frozen=True)
-class Settings:
+class Settings(OfProperties):
     """The properties of object.isograft_transfer."""
 
     what: set[str] = field(default_factory=lambda: {"UV"})
@@ -34,11 +43,6 @@ class Settings:
     key_names: str = ""
     key_scale: str = "GLOBAL"
     copy_drivers: bool = True
-
-    @classmethod
-    def of(cls, properties: Any) -> "Settings":
-        """Those of an operator."""
-        return cls(**{item.name: getattr(properties, item.name) for item in fields(cls)})
 
 
 def choose(items: Iterable[Item], names: str, owner: str, kind: str, name_of: Callable[[Item], str]) -> list[Item]:

@@ -118,6 +118,11 @@ def bake_settings() -> dict[str, Any]:
             default=default.uv_map,
         ),
         "float_images": _switch("Float Images", "Make 32-bit float images even of 8-bit ones", default.float_images),
+        "fill": _switch(
+            "Fill Unmatched",
+            "Continue the images smoothly where nothing is matched, and mark it in the attribute isograft_filled",
+            default.fill,
+        ),
         "overwrite": _switch(
             "Overwrite", "Write over UV maps, images and materials of the same name", default.overwrite
         ),

@@ -2,7 +2,7 @@
 """What object.isograft_wrap computes, whole, before it writes: the donor's mesh with a receiver's shape."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import bpy
@@ -14,22 +14,18 @@ from .bridge import Array, RefusedError
 from .grafting import FILLED
 from .matching import Messages
 from .pairing import Pair
+from .settings import OfProperties
 
 Progress = Callable[[str, float], bool]
 
 
 @dataclass(frozen=True)
-class WrapSettings:
+class WrapSettings(OfProperties):
     """The properties of object.isograft_wrap."""
 
     method: str = "RIGID"
     min_confidence: float = 0.0
     threads: int = 0
-
-    @classmethod
-    def of(cls, properties: Any) -> "WrapSettings":
-        """Those of an operator."""
-        return cls(**{item.name: getattr(properties, item.name) for item in fields(cls)})
 
 
 @dataclass

@@ -6,26 +6,15 @@
 #include <tuple>
 #include <vector>
 
-#include "transfer_arrays.h"
+#include "image_arrays.h"
 
 namespace {
 
 using namespace isograft;
 using namespace isograft::bindings;
 
-using ByteArray = py::array_t<std::uint8_t, py::array::c_style>;
 // Images by material, components, UVs, extension, closest, is_normal, result.
 using ChannelTuple = std::tuple<std::vector<std::optional<py::array>>, int, DoubleArray, int, bool, bool, py::array>;
-
-bool is_byte(const py::array& array) { return py::isinstance<ByteArray>(array); }
-
-void check_pixels(const py::array& array, int components) {
-    if (array.ndim() == 3 && array.shape(2) == components &&
-        (is_byte(array) || py::isinstance<py::array_t<float, py::array::c_style>>(array))) {
-        return;
-    }
-    throw InvalidInput("images must be contiguous uint8 or float32 arrays of shape (height, width, components)");
-}
 
 Pixels to_pixels(const std::optional<py::array>& image, int components) {
     Pixels pixels;
@@ -46,22 +35,12 @@ BakeChannel to_channel(const ChannelTuple& given, int width, int height) {
     BakeChannel channel;
     channel.components = components;
     for (const auto& image : images) channel.images.push_back(to_pixels(image, components));
-    const CornerValues values = to_values(uv, "the donor's UVs");
-    if (values.cols() != 2) throw InvalidInput("the donor's UVs must have 2 columns");
-    channel.uv = values;
+    channel.uv = to_corner_uv(uv, "the donor's UVs");
     channel.extension = static_cast<Extension>(extension);
     channel.closest = closest;
     channel.is_normal = is_normal;
     check_pixels(result, components);
-    if (result.shape(0) != height || result.shape(1) != width) {
-        throw InvalidInput("a result's shape is not that of the bake");
-    }
-    void* pixels = py::array(result).mutable_data();
-    if (is_byte(result)) {
-        channel.bytes = static_cast<std::uint8_t*>(pixels);
-    } else {
-        channel.reals = static_cast<float*>(pixels);
-    }
+    set_result(result, width, height, channel);
     return channel;
 }
 
@@ -80,17 +59,13 @@ void bind_bake(py::module_& m) {
             const Points other = to_points(donor_vertices, "donor_vertices");
             const Triangles own_faces = to_triangles(receiver_faces, "receiver_faces");
             const Triangles other_faces = to_triangles(donor_faces, "donor_faces");
-            const CornerValues uv = to_values(receiver_uv, "receiver_uv");
-            if (uv.cols() != 2) throw InvalidInput("receiver_uv must have 2 columns");
-            const CornerUV corner_uv = uv;
+            const CornerUV corner_uv = to_corner_uv(receiver_uv, "receiver_uv");
             const Mask chosen = Eigen::Map<const Mask>(wanted.data(), wanted.size());
             const Eigen::VectorXi materials = to_int_vector(donor_materials);
             const Eigen::VectorXi no_polygons;
             const BakeOptions options{width, height, margin, threads};
             options.validate();
-            if (mask.ndim() != 2 || mask.shape(0) != height || mask.shape(1) != width) {
-                throw InvalidInput("the mask's shape is not that of the bake");
-            }
+            check_mask(mask, width, height);
             std::vector<BakeChannel> given;
             for (const ChannelTuple& channel : channels) given.push_back(to_channel(channel, width, height));
             std::uint8_t* texels = mask.mutable_data();

@@ -64,5 +64,6 @@ void bind_transfer(py::module_& m);
 void bind_invert(py::module_& m);
 void bind_frames(py::module_& m);
 void bind_bake(py::module_& m);
+void bind_paint(py::module_& m);
 void bind_fill(py::module_& m);
 void bind_locate(py::module_& m);

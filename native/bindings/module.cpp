@@ -12,6 +12,7 @@ PYBIND11_MODULE(_native, m) {
     bind_invert(m);
     bind_frames(m);
     bind_bake(m);
+    bind_paint(m);
     bind_fill(m);
     bind_locate(m);
 }

@@ -202,3 +202,67 @@ def test_a_mapping_node_is_followed(textured: MatchedPair) -> None:
     links.new(mapping.outputs[0], node.inputs["Vector"])
     mask = inside(textured, "Own")
     assert np.median(np.abs(pixels_of(image_at(bake(textured), "Base Color")) - pixels)[mask][:, :3]) < 0.02
+
+
+def in_group(made: Any, source: Any, socket: Any) -> Any:
+    """A node group that hands its input on to its output, between an output and an input."""
+    tree = bpy.data.node_groups.new("Through", "ShaderNodeTree")
+    if hasattr(tree, "interface"):
+        for direction in ("INPUT", "OUTPUT"):
+            tree.interface.new_socket("Colour", in_out=direction, socket_type="NodeSocketColor")
+    else:
+        tree.inputs.new("NodeSocketColor", "Colour")
+        tree.outputs.new("NodeSocketColor", "Colour")
+    start, end = tree.nodes.new("NodeGroupInput"), tree.nodes.new("NodeGroupOutput")
+    tree.links.new(start.outputs[0], end.inputs[0])
+    node = made.node_tree.nodes.new("ShaderNodeGroup")
+    node.node_tree = tree
+    if source is not None:
+        made.node_tree.links.new(source, node.inputs[0])
+    made.node_tree.links.new(node.outputs[0], socket)
+    return node
+
+
+def test_images_and_constants_come_through_node_groups(textured: MatchedPair) -> None:
+    made = textured.donor.data.materials[0]
+    shader = made.node_tree.nodes["Principled BSDF"]
+    picture = next(node for node in made.node_tree.nodes if node.type == "TEX_IMAGE")
+    in_group(made, picture.outputs["Color"], shader.inputs["Base Color"])
+    in_group(made, None, shader.inputs["Roughness"]).inputs[0].default_value = (0.6, 0.6, 0.6, 1.0)
+    baked = bake(textured)
+    error = np.abs(pixels_of(image_at(baked, "Base Color")) - atlas(SIZE))[inside(textured, "Own")][:, :3]
+    assert np.median(error) < 0.02
+    assert baked.node_tree.nodes["Principled BSDF"].inputs["Roughness"].default_value == pytest.approx(0.6)
+
+
+def test_muted_nodes_are_passed_by(textured: MatchedPair) -> None:
+    made = textured.donor.data.materials[0]
+    nodes, links = made.node_tree.nodes, made.node_tree.links
+    picture = next(node for node in nodes if node.type == "TEX_IMAGE")
+    invert = nodes.new("ShaderNodeInvert")
+    links.new(picture.outputs["Color"], invert.inputs["Color"])
+    links.new(invert.outputs[0], nodes["Principled BSDF"].inputs["Base Color"])
+    invert.mute = True
+    error = np.abs(pixels_of(image_at(bake(textured), "Base Color")) - atlas(SIZE))[inside(textured, "Own")][:, :3]
+    assert np.median(error) < 0.02
+
+
+def test_unmatched_faces_are_filled_on_request_and_marked(textured: MatchedPair) -> None:
+    hole = textured.directions @ np.array([-0.7, 0.6, 0.39]) > 0.9
+    face = np.where(hole, -1, values(textured.receiver, "isograft_face", "value")).astype(np.int32)
+    textured.receiver.data.attributes["isograft_face"].data.foreach_set("value", face)
+    bake(textured)
+    assert "isograft_filled" not in textured.receiver.data.attributes
+    made = bake(textured, fill=True, overwrite=True)
+    filled = values(textured.receiver, "isograft_filled", "value").astype(bool)
+    assert np.array_equal(filled[hole], np.ones(hole.sum(), bool))
+    assert not filled[(face >= 0)].any()
+    vertices = np.array([loop.vertex_index for loop in textured.receiver.data.loops]).reshape(-1, 4)
+    inner = hole[vertices].all(axis=1)
+    texel = (uvs(textured.receiver, "Own").reshape(-1, 4, 2).mean(axis=1)[inner] * SIZE).astype(int)
+    error = np.abs(pixels_of(image_at(made, "Base Color")) - atlas(SIZE))[texel[:, 1], texel[:, 0], :3]
+    # The colour is smooth over the sphere: what is around the hole tells what is in it.
+    assert error.max() < 0.2
+    slots = np.array([polygon.material_index for polygon in textured.receiver.data.polygons])
+    assert len(set(slots[inner])) == 1
+    assert textured.receiver.data.materials[slots[inner][0]] == made

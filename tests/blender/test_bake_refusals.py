@@ -74,6 +74,33 @@ def test_an_image_behind_other_nodes_is_refused(textured: MatchedPair) -> None:
         bake()
 
 
+def test_a_colour_ramp_between_image_and_shader_is_refused(textured: MatchedPair) -> None:
+    made = textured.donor.data.materials[0]
+    nodes, links = made.node_tree.nodes, made.node_tree.links
+    ramp = nodes.new("ShaderNodeValToRGB")
+    links.new(skin(textured).outputs["Color"], ramp.inputs[0])
+    links.new(ramp.outputs["Color"], nodes["Principled BSDF"].inputs["Base Color"])
+    with refused("Donor: Base Color of the material Skin: the image Paint goes through the node Color ?Ramp; connect"):
+        bake()
+
+
+def test_a_normal_map_whose_image_is_turned_alone_is_refused(textured: MatchedPair) -> None:
+    made = textured.donor.data.materials[0]
+    nodes, links = made.node_tree.nodes, made.node_tree.links
+    node = texture(made, new_image("Tilt", atlas(16)), nodes["Principled BSDF"].inputs["Normal"], "ShaderNodeNormalMap")
+    place, turn = nodes.new("ShaderNodeUVMap"), nodes.new("ShaderNodeMapping")
+    turn.inputs["Rotation"].default_value[2] = 0.5
+    links.new(place.outputs[0], turn.inputs["Vector"])
+    links.new(turn.outputs[0], node.inputs["Vector"])
+    with refused("Normal of the material Skin is turned or mirrored by a Mapping node"):
+        bake()
+    turn.inputs["Rotation"].default_value[2] = 0.0
+    bump = next(node for node in nodes if node.type == "NORMAL_MAP")
+    bump.uv_map = "Elsewhere"
+    with refused("takes its tangents from the UV map Elsewhere and its image from Atlas"):
+        bake()
+
+
 def no_material(pair: MatchedPair) -> None:
     pair.donor.data.materials.clear()
 

@@ -7,6 +7,7 @@ import bpy
 import numpy as np
 import rigs
 import shapes
+from conftest import add_on
 from scenes import MatchedPair, select, snapshot, uvs, values
 
 
@@ -114,6 +115,28 @@ def test_faces_are_filled_with_what_lies_nearest(matched: MatchedPair) -> None:
     filled = values(matched.receiver, "isograft_filled", "value").astype(bool)
     assert filled.any()
     assert not filled[~gap].any()
+
+
+def test_custom_normals_are_filled_on_request_and_marked(matched: MatchedPair) -> None:
+    for obj in (matched.donor, matched.receiver):
+        obj.data.polygons.foreach_set("use_smooth", np.ones(len(obj.data.polygons), dtype=bool))
+    if hasattr(matched.donor.data, "use_auto_smooth"):
+        matched.donor.data.use_auto_smooth = True
+    normals = np.array([tuple(vertex.normal) for vertex in matched.donor.data.vertices])
+    matched.donor.data.normals_split_custom_set_from_vertices(normals.tolist())
+    matched.donor.data.update()
+    gap = unmatch(matched, matched.directions @ np.array([-0.7, 0.6, 0.39]) > 0.93)
+    graft(matched, what={"NORMALS"}, fill=True)
+    filled = values(matched.receiver, "isograft_filled", "value").astype(bool)
+    assert filled.any()
+    assert not filled[~gap].any()
+    # The donor's custom normals are its smooth ones: so are the receiver's, in the gap too.
+    found = add_on("bridge").read_corner_normals(matched.receiver.data)
+    own = np.array([tuple(vertex.normal) for vertex in matched.receiver.data.vertices])
+    vertices = np.array([loop.vertex_index for loop in matched.receiver.data.loops])
+    inside = gap[vertices]
+    assert inside.sum() > 20
+    assert np.quantile((found * own[vertices]).sum(axis=1)[inside], 0.1) > 0.9
 
 
 def test_filling_where_all_is_matched_marks_nothing(matched: MatchedPair) -> None:

@@ -75,7 +75,9 @@ def write_material(name: str, inputs: list[tuple[Input, Any]], uv_map: str, over
     old = bpy.data.materials.get(name) if overwrite else None
     material = bpy.data.materials.new(name)
     material.use_nodes = True
-    shader = principled(material)
+    made = principled(material)
+    assert made is not None
+    shader = made.node
     nodes, links = material.node_tree.nodes, material.node_tree.links
     place = nodes.new("ShaderNodeUVMap")
     place.uv_map = uv_map

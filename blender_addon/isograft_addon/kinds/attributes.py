@@ -11,7 +11,7 @@ from ..bridge import Array, AttributeLayer, RefusedError
 from ..pairing import Donor, Pair
 from ..settings import Names, Settings, choose
 from .base import Kind
-from .filling import fill_corners, fill_faces, fill_points
+from .filling import fill_faces, fill_points
 
 _WORDS = {"POINT": "points", "EDGE": "edges", "FACE": "faces", "CORNER": "face corners"}
 
@@ -64,15 +64,7 @@ class Attributes(Kind):
         return result
 
     def _corners(self, values: Array) -> Array:
-        pair = self.pair
-        moved = transfer.transfer_corner(
-            pair.correspondence, *pair.geometry(), values[pair.given.corners], receiver_polygons=pair.own.polygons
-        )
-        result, mask = moved.values, moved.mask
-        if self.settings.fill:
-            result, mask, filled = fill_corners(pair, result, mask)
-            self.filled |= filled
-        return pair.to_loops(result, mask)
+        return self.pair.to_loops(*self.move_corners(transfer.transfer_corner, values))
 
     def _faces(self, values: Array) -> Array:
         pair = self.pair

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The three steps of every kind of data."""
 
+from collections.abc import Callable
 from typing import Any, ClassVar
 
 import numpy as np
@@ -8,6 +9,7 @@ import numpy as np
 from ..bridge import Array
 from ..pairing import Donor, Pair
 from ..settings import Names, Settings
+from .filling import fill_corners
 
 MANY = 6
 """More names than this are counted instead of listed."""
@@ -50,6 +52,27 @@ class Kind:
     def received(self) -> list[str]:
         """Names of what the receiver gets."""
         raise NotImplementedError
+
+    def move_corners(
+        self, move: Callable[..., Any], values: Array, complete: Callable[..., Any] = fill_corners
+    ) -> tuple[Array, Array]:
+        """Values (l, ...) of the donor's loops moved by a function of isograft.transfer, and filled if wanted.
+
+        Returns:
+            Rows per corner of the receiver's triangles, and which triangles (F,) have any.
+        """
+        pair = self.pair
+        moved = move(
+            pair.correspondence,
+            *pair.geometry(),
+            values[pair.given.corners],
+            receiver_polygons=pair.own.polygons,
+        )
+        if not self.settings.fill:
+            return moved[0], moved.mask
+        result, mask, filled = complete(pair, moved[0], moved.mask)
+        self.filled |= filled
+        return result, mask
 
     def summary(self) -> str:
         """What the receiver gets, for the report; empty if nothing."""

@@ -11,7 +11,7 @@ from ..bridge import Array, CornerLayer, RefusedError
 from ..pairing import Donor, Pair
 from ..settings import Names, Settings, choose
 from .base import Kind
-from .filling import fill_corners, fill_points
+from .filling import fill_points
 
 
 class Colors(Kind):
@@ -64,15 +64,4 @@ class Colors(Kind):
         return values
 
     def _corners(self, layer: CornerLayer) -> Array:
-        pair = self.pair
-        moved = transfer.transfer_corner(
-            pair.correspondence,
-            *pair.geometry(),
-            layer.values[pair.given.corners],
-            receiver_polygons=pair.own.polygons,
-        )
-        values, mask = moved.values, moved.mask
-        if self.settings.fill:
-            values, mask, filled = fill_corners(pair, values, mask)
-            self.filled |= filled
-        return pair.to_loops(values, mask)
+        return self.pair.to_loops(*self.move_corners(transfer.transfer_corner, layer.values))

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Values for what is unmatched, if the user asks for them."""
 
+from typing import Any
+
 import numpy as np
 from isograft import transfer
 
@@ -18,12 +20,12 @@ def fill_points(pair: Pair, values: Array, known: Array, **limits: float) -> tup
 
 def fill_corners(pair: Pair, values: Array, known: Array) -> tuple[Array, Array, Array]:
     """Values (3 F, ...) completed, the triangles (F,) that have values now, and the vertices (n,) that were filled."""
-    # A polygon with an unmatched triangle is unmatched as a whole.
-    whole = pair.whole_polygons(known)[pair.own.polygons]
-    if whole.all() or not whole.any():
-        return values, whole, np.zeros(len(pair.own.vertices), dtype=bool)
-    completed, filled = transfer.fill_corner(pair.own.vertices, pair.own.triangles, values, whole)
-    return completed, whole | filled, _marks(pair, whole, filled)
+    return _corners(transfer.fill_corner, pair, values, known)
+
+
+def fill_normals(pair: Pair, values: Array, known: Array) -> tuple[Array, Array, Array]:
+    """As fill_corners, for custom normals (3 F, 3)."""
+    return _corners(transfer.fill_normals, pair, values, known)
 
 
 def fill_faces(pair: Pair, values: Array, known: Array) -> tuple[Array, Array]:
@@ -33,10 +35,19 @@ def fill_faces(pair: Pair, values: Array, known: Array) -> tuple[Array, Array]:
     completed, filled = transfer.fill_face(
         pair.own.vertices, pair.own.triangles, values, known, polygons=pair.own.polygons
     )
-    return completed, _marks(pair, known[pair.own.polygons], filled[pair.own.polygons])
+    return completed, marks(pair, known[pair.own.polygons], filled[pair.own.polygons])
 
 
-def _marks(pair: Pair, known: Array, filled: Array) -> Array:
+def _corners(fill: Any, pair: Pair, values: Array, known: Array) -> tuple[Array, Array, Array]:
+    # A polygon with an unmatched triangle is unmatched as a whole.
+    whole = pair.whole_polygons(known)[pair.own.polygons]
+    if whole.all() or not whole.any():
+        return values, whole, np.zeros(len(pair.own.vertices), dtype=bool)
+    completed, filled = fill(pair.own.vertices, pair.own.triangles, values, whole)
+    return completed, whole | filled, marks(pair, whole, filled)
+
+
+def marks(pair: Pair, known: Array, filled: Array) -> Array:
     """(n,) vertices of filled triangles (F,) that no known triangle (F,) touches."""
     marked = np.zeros(len(pair.own.vertices), dtype=bool)
     marked[pair.own.triangles[filled]] = True

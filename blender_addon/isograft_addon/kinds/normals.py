@@ -11,6 +11,7 @@ from ..bridge import Array, RefusedError
 from ..pairing import Donor, Pair
 from ..settings import Names, Settings
 from .base import Kind
+from .filling import fill_normals
 
 
 class Normals(Kind):
@@ -36,14 +37,12 @@ class Normals(Kind):
         """Normals per loop, 0 where unmatched."""
         pair = self.pair
         # A normal goes with the inverse of the transposed matrix that a point goes with.
-        seen = self.gift[pair.given.corners] @ np.linalg.inv(pair.donor.arrays.linear)
+        seen = self.gift @ np.linalg.inv(pair.donor.arrays.linear)
         seen /= np.maximum(np.linalg.norm(seen, axis=1, keepdims=True), 1e-30)
-        moved = transfer.transfer_normals(
-            pair.correspondence, *pair.geometry(), seen, receiver_polygons=pair.own.polygons
-        )
-        own = pair.to_loops(moved.values, moved.mask) @ pair.arrays.linear
+        normals, mask = self.move_corners(transfer.transfer_normals, seen, fill_normals)
+        own = pair.to_loops(normals, mask) @ pair.arrays.linear
         self._normals = own / np.maximum(np.linalg.norm(own, axis=1, keepdims=True), 1e-30)
-        whole = pair.whole_polygons(moved.mask)
+        whole = pair.whole_polygons(mask)
         if not whole.all():
             count = int(np.count_nonzero(~whole))
             text = f"{pair.name}: {count:,} of {len(whole):,} faces are unmatched; they keep Blender's normals"

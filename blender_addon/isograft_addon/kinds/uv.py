@@ -11,7 +11,6 @@ from ..bridge import Array, CornerLayer, RefusedError
 from ..pairing import Donor, Pair
 from ..settings import Names, Settings, choose
 from .base import Kind
-from .filling import fill_corners
 from .materials import Slots
 
 
@@ -51,16 +50,7 @@ class UVMaps(Kind):
         """UVs per loop, 0 where unmatched."""
         pair = self.pair
         for layer, name in zip(self._layers, self._targets, strict=True):
-            moved = transfer.transfer_corner_uv(
-                pair.correspondence,
-                *pair.geometry(),
-                layer.values[pair.given.corners],
-                receiver_polygons=pair.own.polygons,
-            )
-            uv, mask = moved.uv, moved.mask
-            if self.settings.fill:
-                uv, mask, filled = fill_corners(pair, uv, mask)
-                self.filled |= filled
+            uv, mask = self.move_corners(transfer.transfer_corner_uv, layer.values)
             self._has_uv = pair.whole_polygons(mask)
             if self._mark and layer is self._seam_layer():
                 self._seams = self._edges(uv, mask)

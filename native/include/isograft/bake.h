@@ -59,8 +59,8 @@ struct BakeOptions {
     void validate() const;
 };
 
-/// The meaning of a texel of the mask that bake() writes.
-enum class Texel : std::uint8_t { nothing = 0, baked = 1, margin = 2 };
+/// The meaning of a texel of the mask that bake() and paint() write.
+enum class Texel : std::uint8_t { nothing = 0, baked = 1, margin = 2, filled = 3 };
 
 /// Bake the donor's images into the receiver's UVs.
 ///

@@ -208,6 +208,17 @@ def bake(
     threads: int,
     progress: Callable[[str, float], Any] | None,
 ) -> None: ...
+def paint(
+    uv: npt.NDArray[np.float64],
+    wanted: npt.NDArray[np.bool_],
+    channels: list[tuple[Any, ...]],
+    width: int,
+    height: int,
+    margin: int,
+    mask: npt.NDArray[np.uint8],
+    threads: int,
+    progress: Callable[[str, float], Any] | None,
+) -> None: ...
 def fill_smooth(
     vertices: npt.NDArray[np.float64],
     faces: npt.NDArray[np.int32],

@@ -89,8 +89,6 @@ def graft(
         mesh.colors, made_up = _colors(correspondence, receiver, donor, fill)
         filled |= made_up
         result.counts["vertices_coloured"] = int((correspondence.matched | made_up).sum())
-    if fill:
-        mesh.filled = filled
     if "texture" in what and image is not None and triangle_uvs is not None:
         donor_uvs = _whole(donor, "read an image with")
         usable: Array = np.asarray(np.isfinite(triangle_uvs).all(axis=(1, 2))) if has_uvs is None else has_uvs
@@ -106,16 +104,20 @@ def graft(
             size,
             receiver_mask=usable,
             margin=margin,
+            fill=fill,
             threads=threads,
             progress=part_of(progress, 0.3, 1.0),
         )
         result.image = baked.images[0]
+        filled[receiver.faces[baked.filled & usable]] = True
         result.counts["texels_baked"] = int((baked.mask == 1).sum())
         outside = usable & ((triangle_uvs < 0.0) | (triangle_uvs > 1.0)).any(axis=(1, 2))
         if outside.any():
             result.warnings.append(
                 f"{int(outside.sum())} triangles of the receiver lie partly outside of the unit square: no texels there"
             )
+    if fill:
+        mesh.filled = filled
     return result
 
 

@@ -12,6 +12,7 @@ namespace isograft {
 namespace {
 
 constexpr auto baked = static_cast<std::uint8_t>(Texel::baked);
+constexpr auto filled = static_cast<std::uint8_t>(Texel::filled);
 // Other bands may be marking margins in the rows that this one reads.
 std::uint8_t load(std::uint8_t& texel) { return std::atomic_ref(texel).load(std::memory_order_relaxed); }
 void store(std::uint8_t& texel, Texel value) {
@@ -25,7 +26,10 @@ constexpr int none = std::numeric_limits<int>::max();
 void dilate(std::uint8_t* mask, int width, int height, int margin, int first_row, int end_row,
             const std::function<void(std::size_t from, std::size_t to)>& copy) {
     if (margin <= 0) return;
-    const auto is_baked = [&](int y, int x) { return load(mask[static_cast<std::size_t>(y) * width + x]) == baked; };
+    const auto is_baked = [&](int y, int x) {
+        const std::uint8_t texel = load(mask[static_cast<std::size_t>(y) * width + x]);
+        return texel == baked || texel == filled;
+    };
     // Per texel of the band the row of the nearest baked texel in its own column.
     const int rows = end_row - first_row;
     std::vector<int> nearest_row(static_cast<std::size_t>(rows) * width, none);

@@ -7,8 +7,8 @@
 
 namespace isograft {
 
-/// Give every texel within `margin` of a baked one the nearest baked one (of equally near ones the first by row, then
-/// by column), and mark it. Works on rows [first_row, end_row) and reads beyond them.
+/// Give every texel within `margin` of a baked or filled one the nearest of those (of equally near ones the first by
+/// row, then by column), and mark it. Works on rows [first_row, end_row) and reads beyond them.
 ///
 /// \param mask height by width of Texel. What it says of baked texels is read only, so bands may run at a time.
 /// \param copy called with (from, to): indices of texels. O(texels x margin / width of gaps).

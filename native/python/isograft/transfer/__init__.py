@@ -13,7 +13,7 @@ from isograft.transfer.cutting import CutMesh, cut_along_seams
 from isograft.transfer.edges import transfer_edge
 from isograft.transfer.filling import Filled, fill_corner, fill_face, fill_point
 from isograft.transfer.inverse import invert
-from isograft.transfer.normals import transfer_normals
+from isograft.transfer.normals import fill_normals, transfer_normals
 from isograft.transfer.seams import seam_edges
 from isograft.transfer.shape_keys import LocalFrames, local_frames, transfer_shape_keys
 from isograft.transfer.weights import MIX_MODES, mix_weights, tidy_weights, transfer_weights
@@ -34,6 +34,7 @@ __all__ = [
     "cut_along_seams",
     "fill_corner",
     "fill_face",
+    "fill_normals",
     "fill_point",
     "invert",
     "local_frames",

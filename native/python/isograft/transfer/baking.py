@@ -22,6 +22,9 @@ from isograft.transfer.arrays import (
     triangle_rows,
     value_columns,
 )
+from isograft.transfer.attributes import locate
+from isograft.transfer.image_filling import fill_images
+from isograft.transfer.progress import part_of
 
 _EXTENSIONS = ("repeat", "extend", "clip")
 _LARGEST = 1 << 16
@@ -52,7 +55,9 @@ class Baked(NamedTuple):
     images: list[Array]
     """One per channel, (height, width, components), of the channel's type; the first row is the lowest."""
     mask: npt.NDArray[np.uint8]
-    """(height, width): 0 nothing, 1 baked, 2 margin."""
+    """(height, width): 0 nothing, 1 baked, 2 margin, 3 filled."""
+    filled: npt.NDArray[np.bool_]
+    """(F,) receiver triangles that were filled."""
 
 
 def bake(
@@ -69,6 +74,7 @@ def bake(
     donor_materials: Any = None,
     receiver_mask: Any = None,
     margin: int = 16,
+    fill: bool = False,
     background: Sequence[npt.ArrayLike] | None = None,
     out: Sequence[Array] | None = None,
     threads: int | None = None,
@@ -95,6 +101,8 @@ def bake(
         donor_materials: (G,) index into every channel's `images`; None: all 0.
         receiver_mask: (F,) True for the triangles to bake; None: all. Unmatched and torn ones are never baked.
         margin: texels around what is baked that take the nearest baked one's value.
+        fill: continue the images smoothly into the triangles that are not baked; normal maps are flat there. Parts of
+            the mesh without a baked triangle stay as they are.
         background: per channel an image of the result's shape and type that is kept where nothing is baked;
             None: zeros.
         out: per channel an array to write into, such as a numpy.memmap, contiguous, of the result's shape and type.
@@ -132,24 +140,39 @@ def bake(
             )
         )
     mask = np.zeros((height, width), np.uint8)
+    texels = to_int(margin, "margin", 0, 1024)
+    vertices, donor = point_rows(receiver_vertices, "receiver_vertices"), point_rows(donor_vertices, "donor_vertices")
+    layout = value_columns(corner_rows(receiver_uv, len(own_faces), "receiver_uv"))
+    wanted = np.zeros(0, bool) if receiver_mask is None else np.ascontiguousarray(receiver_mask, bool)
     _native.bake(
         *correspondence_arrays(correspondence),
-        point_rows(receiver_vertices, "receiver_vertices"),
+        vertices,
         own_faces,
-        value_columns(corner_rows(receiver_uv, len(own_faces), "receiver_uv")),
-        np.zeros(0, bool) if receiver_mask is None else np.ascontiguousarray(receiver_mask, bool),
-        point_rows(donor_vertices, "donor_vertices"),
+        layout,
+        wanted,
+        donor,
         faces,
         _materials(donor_materials, len(faces)),
         given,
         width,
         height,
-        to_int(margin, "margin", 0, 1024),
+        0 if fill else texels,
         mask,
         threads or 0,
-        progress,
+        part_of(progress, 0.0, 0.7) if fill else progress,
     )
-    return Baked(results, mask)
+    filled = np.zeros(len(own_faces), bool)
+    if fill:
+        count = len(own_faces)
+        centre = locate(
+            correspondence, vertices, own_faces, donor, faces, np.arange(count, dtype=np.int32),
+            np.full((count, 3), 1.0 / 3.0), threads=threads, progress=part_of(progress, 0.7, 0.8),
+        )  # fmt: skip
+        filled = fill_images(
+            vertices, own_faces, layout, (centre.face >= 0) & (receiver_mask is None or wanted), results, mask,
+            [channel.kind == "normal" for channel in chosen], texels, threads or 0, part_of(progress, 0.8, 1.0),
+        )  # fmt: skip
+    return Baked(results, mask, filled)
 
 
 def _size(size: int | tuple[int, int]) -> tuple[int, int]:

@@ -13,12 +13,14 @@ from isograft.transfer.arrays import (
     CorrespondenceArrays,
     Progress,
     TransferredValues,
+    check_indices,
     corner_rows,
     correspondence_arrays,
     point_rows,
     polygon_ids,
     triangle_rows,
 )
+from isograft.transfer.filling import Filled, fill_corner
 from isograft.transfer.progress import part_of
 from isograft.transfer.shape_keys import local_frames
 
@@ -92,6 +94,38 @@ def transfer_normals(
     moved = np.zeros((3 * len(faces), 3))
     moved[corners] = _unit(_turn_between(smooth, own, custom))
     return TransferredValues(moved, mask)
+
+
+def fill_normals(vertices: Any, faces: Any, normals: Any, known: Any, *, progress: Progress | None = None) -> Filled:
+    """Fill custom normals of corners in triangles where they are not known.
+
+    How they lean against the smooth surface is continued smoothly: the hole keeps its own shape in them.
+
+    Args:
+        vertices: (n, 3) of the mesh that has the normals.
+        faces: (F, 3).
+        normals: (3 F, 3) or (F, 3, 3).
+        known: (F,) True where all three corners of a triangle are known. Give all triangles of a polygon the same.
+        progress: called with (stage, fraction) now and then; returning False cancels.
+
+    Returns:
+        (3 F, 3) unit vectors, and which triangles were filled, as of fill_corner().
+
+    Raises:
+        InvalidInput: arrays that do not fit each other; known normals that are not finite.
+    """
+    points, triangles = point_rows(vertices, "vertices"), triangle_rows(faces, "faces")
+    given = np.asarray(corner_rows(normals, len(triangles), "normals"), np.float64)
+    if given.shape != (3 * len(triangles), 3):
+        raise _native.InvalidInput(f"normals: expected 3 columns, got shape {np.shape(normals)}")
+    check_indices(triangles, len(points), "faces")
+    smooth = _smooth_normals(points, triangles)[triangles.ravel()]
+    lean = np.where(np.repeat(np.asarray(known, bool), 3)[:, None], given - smooth, 0.0)
+    moved, filled = fill_corner(points, triangles, lean, known, progress=progress)
+    corners = np.repeat(filled, 3)
+    result = given.copy()
+    result[corners] = _unit(smooth[corners] + moved[corners])
+    return Filled(result, filled)
 
 
 def _turn_between(start: Array, end: Array, vectors: Array) -> Array:
