@@ -103,7 +103,7 @@ EXPERIMENTS = [
             "our method successfully detects the largest part of the surfaces that can be isometrically mapped.",
         ],
         _planes,
-        {**CLEAN, "paper_threshold": 1.0, "seed_landmarks_only": True},
+        {**CLEAN, "paper_threshold": 1.0, "paper_near": 1.5, "seed_landmarks_only": True},
         ["hkm"],
         up="z",
     ),
@@ -118,7 +118,7 @@ EXPERIMENTS = [
         ],
         _of_data("anim_samba_mesh_0000__mesh_0080"),
         {**CLEAN, "paper_threshold": 0.0},
-        ["hkm"],
+        ["hkm", "nearest", "pyfm-zoomout"],
     ),
     Experiment(
         "scape",
@@ -132,6 +132,7 @@ EXPERIMENTS = [
         ],
         _of_data("scape_000_005"),
         {**CLEAN, "paper_threshold": 1.9},
+        ["nearest", "pyfm-zoomout"],
         up="y",
     ),
     Experiment(
@@ -149,6 +150,7 @@ EXPERIMENTS = [
         ],
         _contacts,
         {**NOISY, "paper_threshold": 1.0},
+        ["nearest"],
     ),
     Experiment(
         "faces",
@@ -162,6 +164,7 @@ EXPERIMENTS = [
         ],
         _of_data("facescan_s101", "face_ict_s101_neutral_jawopen"),
         {**CLEAN, "paper_threshold": 1.0},
+        ["nearest"],
         turn=0.0,
     ),
     Experiment(
@@ -171,7 +174,7 @@ EXPERIMENTS = [
             "As can be seen, the method of Tevs et al. obtains better coverage, however our method has fewer "
             "outliers - islands of incorrectly mapped points within larger smoothly mapped regions.",
         ],
-        _of_data("pc_faust_020_025"),
+        _of_data("pc_faust_033_037"),
         {**NOISY, "paper_threshold": 1.0},
     ),
     Experiment(

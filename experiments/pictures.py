@@ -16,8 +16,8 @@ from experiments.catalogue import Experiment, Pair
 from experiments.colours import carried_colours, refined, source_colours
 from experiments.run import LEVELS
 
-NAMES = {"paper": "paper", "default": "default", "hkm": "HKM (ours)"}
-COLOURS = {"paper": "#c0392b", "default": "#1f77b4", "hkm": "#7f7f7f"}
+NAMES = {"paper": "paper", "default": "default", "hkm": "HKM (ours)", "nearest": "nearest", "pyfm-zoomout": "pyFM"}
+COLOURS = {"paper": "#c0392b", "default": "#1f77b4", "hkm": "#7f7f7f", "nearest": "#c9a227", "pyfm-zoomout": "#2ca02c"}
 
 
 def checker_picture(experiment: Experiment, pair: Pair, methods: list[str], folder: Path, out: Path) -> None:

@@ -13,7 +13,7 @@ import isograft
 import numpy as np
 from isograft.evaluation import evaluate
 
-from benchmarks.methods import VertexMap
+from benchmarks.methods import VertexMap, find
 from experiments.catalogue import Experiment, Pair
 from experiments.hkm import heat_kernel_map
 
@@ -50,7 +50,7 @@ def run_pair(experiment: Experiment, pair: Pair, method: str, settings: Settings
     row: dict[str, Any] = {"experiment": experiment.name, "pair": pair.name, "method": method, "settings": wanted}
     try:
         found, extra = _find(experiment, pair, method, settings)
-    except isograft.InvalidInput as error:
+    except (isograft.InvalidInput, ImportError) as error:
         row["failed"] = str(error)
     else:
         row |= extra
@@ -70,6 +70,8 @@ def _find(experiment: Experiment, pair: Pair, method: str, settings: Settings) -
         landmarks = pair.landmarks if pair.landmarks is not None else two_true_matches(pair)
         assert case.source[1] is not None and case.target[1] is not None
         return _at_vertices(heat_kernel_map(case.source, case.target, landmarks), case.target), {}
+    if method in ("nearest", "pyfm-zoomout"):
+        return find(case, {"method": method}).correspondence, {}
     # As in the paper, both sides of every pair are in one unit.
     options: dict[str, Any] = {"scale": "fixed"}
     if pair.landmarks is not None:

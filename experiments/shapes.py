@@ -11,7 +11,7 @@ from benchmarks.cases import Case
 
 #: Centres of the peaks, their radius and height, on the unit square.
 PEAKS = np.array([(0.30, 0.30), (0.70, 0.35), (0.45, 0.72)])
-RADIUS, HEIGHT = 0.14, 0.30
+RADIUS, HEIGHT = 0.08, 0.25
 
 
 def grid(cells: int) -> tuple[np.ndarray, np.ndarray]:

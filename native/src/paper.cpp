@@ -38,6 +38,7 @@ void PaperOptions::validate() const {
     require(cluster_limit >= 0.0 && std::isfinite(cluster_limit), "cluster_limit must not be negative");
     require(matches >= 1 && matches <= 2000, "matches must be in [1, 2000]");
     require(stretch_limit > 0.0 && stretch_limit <= 10.0, "stretch_limit must be in (0, 10]");
+    require(near >= 0.5 && near <= 4.0, "near must be in [0.5, 4]");
     require(iterations >= 1 && iterations <= 100, "iterations must be in [1, 100]");
     require(neighbours >= 1 && neighbours <= 2000, "neighbours must be in [1, 2000]");
     require(threshold >= 0.0 && std::isfinite(threshold), "threshold must not be negative");
@@ -230,8 +231,8 @@ Match match_by_paper(const Surface& source, const Surface& target, const MatchOp
     Work work = prepare(source, target, options, report, monitor);
     report.stages.clear();
     lap("surface", 0);
-    work.levels =
-        make_vertex_levels(work.pair.source.mesh, paper.levels, options.threads, monitor, prepared_by, levels_by);
+    work.levels = make_vertex_levels(work.pair.source.mesh, paper.levels, options.threads, monitor, prepared_by,
+                                     levels_by, paper.near);
     work.pair.source.samples = work.levels.samples;
     const VertexLevels& levels = work.levels;
     const TriangleMesh& mesh = work.pair.target.mesh;

@@ -10,7 +10,7 @@ namespace isograft {
 /// Options of graph_degree_linkage().
 struct LinkageOptions {
     /// Each item is joined with so many nearest others.
-    int neighbours = 5;
+    int neighbours = 8;
     /// q: clusters are joined while the largest affinity of two is above it.
     double threshold = 1.0;
 };

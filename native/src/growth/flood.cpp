@@ -71,10 +71,12 @@ class Flood {
         offer_around(u);
     }
 
-    // Each new neighbour gives a vertex that was refused another chance.
+    // The boundary of U moves from edge to edge: what leaps over a refused vertex would soon be everywhere, and each
+    // map would cover half of S. Each new neighbour gives a vertex that was refused another chance.
     void offer_around(int u) {
         for (const int index : source_.near_of[u]) {
             const SampleEdge& e = source_.near[index];
+            if (e.level > 0) continue;
             const int v = e.other(u);
             if (map_.mapped[v]) continue;
             float& known = map_.seed_distance[v];
@@ -228,17 +230,11 @@ PartialMap flood(const VertexLevels& source, const TriangleMesh& target, const O
 Floods flood_all(const VertexLevels& source, const TriangleMesh& target, const std::vector<OrientedMatch>& matches,
                  int most, const FloodOptions& options, int threads, Monitor& monitor, double from, double to) {
     Floods result;
-    std::size_t next = 0;
-    while (next < matches.size() && result.tried < most) {
-        std::vector<OrientedMatch> chosen;
-        for (; next < matches.size() && static_cast<int>(chosen.size()) < std::min(batch, most - result.tried);
-             ++next) {
-            if (explained(source, target, result.maps, matches[next])) {
-                ++result.redundant;
-            } else {
-                chosen.push_back(matches[next]);
-            }
-        }
+    // Those that wait, by the order of their scores: of redundant matches the surest come before what no cluster holds.
+    std::vector<OrientedMatch> waiting;
+    std::size_t next = 0, clustered = 0;
+    while (clustered < matches.size() && std::isfinite(matches[clustered].score)) ++clustered;
+    const auto grow = [&](const std::vector<OrientedMatch>& chosen) {
         const double begin = from + (to - from) * result.tried / most;
         result.tried += static_cast<int>(chosen.size());
         std::vector<PartialMap> grown(chosen.size());
@@ -249,6 +245,24 @@ Floods flood_all(const VertexLevels& source, const TriangleMesh& target, const s
         for (PartialMap& map : grown) {
             if (map.count >= least_vertices) result.maps.push_back(std::move(map));
         }
+    };
+    const auto room = [&] { return static_cast<std::size_t>(std::min(batch, most - result.tried)); };
+    for (const std::size_t end : {clustered, matches.size()}) {
+        while (next < end && result.tried < most) {
+            std::vector<OrientedMatch> chosen;
+            for (; next < end && chosen.size() < room(); ++next) {
+                const bool known = explained(source, target, result.maps, matches[next]);
+                (known ? waiting : chosen).push_back(matches[next]);
+            }
+            grow(chosen);
+        }
+        result.redundant += static_cast<int>(waiting.size());
+        for (std::size_t again = 0; again < waiting.size() && result.tried < most;) {
+            std::vector<OrientedMatch> chosen;
+            for (; again < waiting.size() && chosen.size() < room(); ++again) chosen.push_back(waiting[again]);
+            grow(chosen);
+        }
+        waiting.clear();
     }
     return result;
 }

@@ -17,7 +17,8 @@ struct FloodOptions {
     MetricFitOptions fit;
 };
 
-/// Grow one partial map as the paper does (section 4.3): vertex after vertex in geodesic order from the seed.
+/// Grow one partial map as the paper does (section 4.3): vertex after vertex in geodesic order from the seed, across
+/// mesh edges from the boundary of U.
 ///
 /// A new vertex is predicted from every mapped vertex of N1: the path between them on S is walked on T from its image,
 /// turned by its angle. The vertex goes to the mean of the points reached, all of equal weight, if its distance on T to
@@ -28,8 +29,7 @@ struct FloodOptions {
 PartialMap flood(const VertexLevels& source, const TriangleMesh& target, const OrientedMatch& match,
                  const FloodOptions& options, Monitor& monitor);
 
-/// The matches' maps, without those of matches that a map already explains: one that takes the same vertex to the same
-/// place (within e1) under the same angle (within 30 degrees) would only be grown again (section 3.3).
+/// Maps of the first matches in their order, in which redundant ones move back.
 struct Floods {
     std::vector<PartialMap> maps;
     /// Matches that were grown; maps of fewer vertices than one neighbourhood are not kept.
@@ -38,6 +38,11 @@ struct Floods {
 };
 
 /// flood() the matches in order until `most` were tried.
+///
+/// A match is redundant if a map takes the same vertex to the same place (within e1) under the same angle (within 30
+/// degrees): it would only be grown again (section 3.3). The paper increases its priority, so it is tried after all
+/// matches of clusters, which have a finite score, and before those of none: the maps that many matches lead to are
+/// then many, and the linkage sees them as a dense group.
 /// \return equal bit for bit for any number of threads.
 Floods flood_all(const VertexLevels& source, const TriangleMesh& target, const std::vector<OrientedMatch>& matches,
                  int most, const FloodOptions& options, int threads, Monitor& monitor, double from, double to);

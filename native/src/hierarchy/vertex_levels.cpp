@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "base/parallel.h"
@@ -36,6 +37,21 @@ SampleEdge edge_of(int u, int v, const Polar& polar) {
     return edge;
 }
 
+// The straight geodesic near a window's path; nothing where it is another one.
+std::optional<SampleEdge> straight_edge(const TriangleMesh& mesh, const Samples& samples, int u, int v,
+                                        const Polar& polar, double tolerance) {
+    const auto shot = shoot(mesh, samples.point[u], samples.point[v], std::polar(1.0, polar.angle), polar.distance,
+                            {.max_traces = 6, .tolerance = tolerance});
+    if (!shot || std::abs(shot->length - polar.distance) > same_path * polar.distance) return std::nullopt;
+    SampleEdge edge;
+    edge.u = u;
+    edge.v = v;
+    edge.length = shot->length;
+    edge.at_u = shot->departure;
+    edge.at_v = -shot->arrival;
+    return edge;
+}
+
 // The lower-numbered end of every pair of `near` vertices; mesh edges come as level 0, the others as level 1.
 void join_near(const TriangleMesh& mesh, VertexLevels& levels, int threads, Monitor& monitor, double from, double to) {
     const int n = mesh.vertex_count();
@@ -62,7 +78,10 @@ void join_near(const TriangleMesh& mesh, VertexLevels& levels, int threads, Moni
                 if (!joined && window.distance(v) > reach) continue;
                 const auto polar = window.query(levels.samples.point[v]);
                 if (!polar || polar->distance <= 0.0) continue;
-                around[u].push_back(edge_of(u, v, *polar));
+                // A window's path may bend at a saddle. Here it is walked as a straight one, so it has to be straight.
+                const auto straight = straight_edge(mesh, levels.samples, u, v, *polar, 0.001);
+                if (!straight && !joined) continue;
+                around[u].push_back(straight ? *straight : edge_of(u, v, *polar));
                 around[u].back().level = joined ? 0 : 1;
             }
             std::sort(around[u].begin(), around[u].end(),
@@ -138,15 +157,9 @@ void join_level(const TriangleMesh& mesh, VertexLevels& levels, int level, const
                 const int v = pairs[i].second;
                 const auto polar = window.query(samples.point[v]);
                 if (!polar) continue;
-                const auto shot = shoot(mesh, samples.point[u], samples.point[v], std::polar(1.0, polar->angle),
-                                        polar->distance, {.max_traces = 6, .tolerance = 0.002});
-                if (!shot || std::abs(shot->length - polar->distance) > same_path * polar->distance) continue;
-                SampleEdge edge;
-                edge.u = u;
-                edge.v = v;
-                edge.length = shot->length;
-                edge.at_u = shot->departure;
-                edge.at_v = -shot->arrival;
+                auto straight = straight_edge(mesh, samples, u, v, *polar, 0.002);
+                if (!straight) continue;
+                SampleEdge& edge = *straight;
                 edge.level = level;
                 // What lies along it: inside a map it counts only where the whole path is mapped.
                 const int steps = static_cast<int>(edge.length / levels.spacing(1));
@@ -170,8 +183,9 @@ void join_level(const TriangleMesh& mesh, VertexLevels& levels, int level, const
 }  // namespace
 
 VertexLevels make_vertex_levels(const TriangleMesh& mesh, int levels, int threads, Monitor& monitor, double from,
-                                double to) {
+                                double to, double near) {
     VertexLevels result;
+    result.near_spacings = near;
     Samples& samples = result.samples;
     const int n = mesh.vertex_count();
     samples.spacing = mesh.mean_edge;

@@ -21,7 +21,8 @@ std::vector<OrientedMatch> feature_seeds(const std::vector<FeatureMatch>& matche
         if (matches[a].priority != matches[b].priority) return matches[a].priority < matches[b].priority;
         return matches[a].dissimilarity < matches[b].dissimilarity;
     });
-    std::vector<OrientedMatch> round[directions];
+    // By direction, those of clusters before the others.
+    std::vector<OrientedMatch> round[2 * directions];
     std::vector<std::pair<double, int>> neighbours;
     for (const int m : order) {
         const FeatureMatch& match = matches[m];
@@ -41,11 +42,11 @@ std::vector<OrientedMatch> feature_seeds(const std::vector<FeatureMatch>& matche
         for (std::size_t k = 0; k < kept; ++k) {
             const FeatureMatch& other = matches[neighbours[k].second];
             const double turn = target.angle(match.target, other.target) - source.angle(match.source, other.source);
-            round[k].push_back(
+            round[k + (std::isfinite(match.priority) ? 0 : directions)].push_back(
                 {places.source[match.source], places.target[match.target], std::polar(1.0, turn), match.priority});
         }
     }
-    for (int k = 1; k < directions; ++k) round[0].insert(round[0].end(), round[k].begin(), round[k].end());
+    for (int k = 1; k < 2 * directions; ++k) round[0].insert(round[0].end(), round[k].begin(), round[k].end());
     return std::move(round[0]);
 }
 

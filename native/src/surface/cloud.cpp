@@ -207,12 +207,9 @@ void place_points(const CloudInput& input, const Base& base, const Rimls& surfac
             break;
         }
     }
-    cloud.vertex.resize(input.point.size());
-    cloud.normals.resize(static_cast<Eigen::Index>(input.point.size()), 3);
-    for (std::size_t row = 0; row < input.point.size(); ++row) {
-        cloud.vertex[row] = vertex[input.point[row]];
-        cloud.normals.row(static_cast<Eigen::Index>(row)) = normal[input.point[row]];
-    }
+    cloud.normals.resize(static_cast<Eigen::Index>(normal.size()), 3);
+    for (std::size_t i = 0; i < normal.size(); ++i) cloud.normals.row(static_cast<Eigen::Index>(i)) = normal[i];
+    cloud.vertex = std::move(vertex);
 }
 
 // The side of open parts is unknown; that of closed ones with holes is not.
@@ -232,7 +229,6 @@ bool has_open_part(const Base& base) {
 Cloud make_cloud(const Points& vertices, const Points& normals, Monitor& monitor) {
     CloudInput input = check_cloud(vertices, normals);
     Cloud cloud;
-    cloud.warnings = std::move(input.warnings);
     // In the unit box nothing overflows, whatever the units, and nothing is lost far from the origin.
     const Eigen::Vector3d low = vertices.colwise().minCoeff().transpose();
     const double extent = (vertices.colwise().maxCoeff().transpose() - low).maxCoeff();

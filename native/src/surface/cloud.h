@@ -27,7 +27,7 @@ struct Cloud {
 
 /// From points to the surface through them.
 ///
-/// Repeated points are joined, clouds above 60,000 points averaged in cells; the graph of 8 nearest neighbours shows
+/// Clouds above 60,000 points are averaged in cells; the graph of 8 nearest neighbours shows
 /// outliers and parts; normals are fitted where none are given, and oriented; all points are put onto the robust
 /// implicit surface; evenly spread ones are joined by their local Delaunay triangles. Holes larger than twice the
 /// points' distance stay holes. O(n log n).

@@ -53,26 +53,21 @@ CloudInput check_cloud(const Points& vertices, const Points& normals) {
     for (Eigen::Index v = 0; v < vertices.rows(); ++v) all[v] = vertices.row(v);
     const std::vector<int> place = find_places(all);
     CloudInput cloud;
-    cloud.point.resize(all.size());
+    int repeated = 0, first = -1;
     for (int v = 0; v < static_cast<int>(all.size()); ++v) {
         if (place[v] != v) {
-            cloud.point[v] = cloud.point[place[v]];
+            ++repeated;
+            if (first < 0) first = v;
             continue;
         }
-        cloud.point[v] = static_cast<int>(cloud.row.size());
-        cloud.row.push_back(v);
         cloud.position.push_back(all[v]);
         if (normals.rows() > 0) cloud.normal.emplace_back(normals.row(v).stableNormalized());
     }
-    const auto repeated = static_cast<int>(all.size() - cloud.row.size());
-    if (cloud.row.size() < fewest_points) {
-        throw InvalidInput("`vertices` has only " + rows_of(static_cast<Eigen::Index>(cloud.row.size())) +
-                           " that differ: " + std::to_string(repeated) + " of " + std::to_string(all.size()) +
-                           " repeat another point; at least " + std::to_string(fewest_points) +
-                           " different points make a surface");
+    if (repeated > 0) {
+        throw InvalidInput("`vertices` repeats points: " + rows_of(repeated) + " of " + std::to_string(all.size()) +
+                           " equal an earlier one, the first is row " + std::to_string(first) + ", equal to row " +
+                           std::to_string(place[first]) + "; keep one of each, as numpy.unique(vertices, axis=0) does");
     }
-    warn(cloud.warnings, repeated, "point repeats another and shares its result.",
-         "points repeat others and share their results.");
     // About the mean of points brought into the unit box, so that no square leaves the range of double.
     const Eigen::RowVector3d low = vertices.colwise().minCoeff();
     const double extent = (vertices.colwise().maxCoeff() - low).maxCoeff();

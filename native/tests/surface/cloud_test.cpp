@@ -198,11 +198,13 @@ TEST(Cloud, TellsTheOuterSideOfClosedSurfacesOnly) {
     EXPECT_EQ(turned.cloud_vertex(), open.cloud_vertex());
 }
 
-TEST(Cloud, JoinsRepeatedPointsAndSaysHowMany) {
+TEST(Cloud, RefusesRepeatedPointsWithTheFirstOfThem) {
     const Points points = clouds::sampled(clouds::sphere(), 1000, 0.0, 17);
-    const Surface surface = Surface::from_points(clouds::joined(points, points.topRows(100)));
-    EXPECT_TRUE(warns(surface, "100 points repeat others"));
-    for (int i = 0; i < 100; ++i) EXPECT_EQ(surface.cloud_vertex()[1000 + i], surface.cloud_vertex()[i]);
+    const std::string told = clouds::refusal(clouds::joined(points, points.middleRows(5, 100)));
+    EXPECT_NE(told.find("100 rows of 1100 equal an earlier one, the first is row 1000, equal to row 5"),
+              std::string::npos)
+        << told;
+    EXPECT_NE(told.find("keep one of each"), std::string::npos);
 }
 
 TEST(Cloud, RefusesWhatMakesNoSurfaceWithWhatAndWhere) {
@@ -212,7 +214,7 @@ TEST(Cloud, RefusesWhatMakesNoSurfaceWithWhatAndWhere) {
     bad(7, 1) = bad(9, 0) = std::numeric_limits<double>::quiet_NaN();
     EXPECT_NE(clouds::refusal(bad).find("2 rows, the first is row 7"), std::string::npos) << clouds::refusal(bad);
     const Points one = good.topRows(40).replicate(4, 1);
-    EXPECT_NE(clouds::refusal(one).find("120 of 160 repeat"), std::string::npos) << clouds::refusal(one);
+    EXPECT_NE(clouds::refusal(one).find("120 rows of 160 equal"), std::string::npos) << clouds::refusal(one);
     Points line = good;
     line.rightCols(2).setZero();
     EXPECT_NE(clouds::refusal(line).find("on a line"), std::string::npos) << clouds::refusal(line);

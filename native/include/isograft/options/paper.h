@@ -31,11 +31,15 @@ struct PaperOptions {
     int matches = 200;
     /// nu in e0.
     double stretch_limit = 0.5;
+    /// How far N1, from which vertices are predicted, reaches in e1; the paper does not say. Farther away the stretch
+    /// that limbs really have is beyond nu: with 1.5 the true map of two SCAPE scans itself breaks eq. 5 at a fifth to
+    /// a half of the vertices, with 1 at a tenth to a quarter. More is stricter where surfaces do not stretch at all.
+    double near = 1.0;
     /// Iterations of the least squares at every doubling of a map's area.
     int iterations = 3;
     /// Nearest maps that each map is joined with in the graph of the linkage (Zhang et al. 2012). The paper does not
-    /// say how many; with more, wrong maps tie everything together.
-    int neighbours = 5;
+    /// say how many; with many more, wrong maps tie everything together, with fewer the right ones fall apart.
+    int neighbours = 8;
     /// q: clusters are joined while the largest affinity is above this. Lower joins maps that agree less; the paper
     /// uses 0 (samba), 1 (raw scans) and 1.9 (SCAPE).
     double threshold = 1.0;
@@ -56,6 +60,7 @@ struct PaperOptions {
         visitor("cluster_limit", cluster_limit);
         visitor("matches", matches);
         visitor("stretch_limit", stretch_limit);
+        visitor("near", near);
         visitor("iterations", iterations);
         visitor("neighbours", neighbours);
         visitor("threshold", threshold);
