@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""scripts/transfer_benchmark: what each kind of transfer costs, between two meshes of many vertices.
+
+Both are a bent ring in tessellations of their own, so that the map between them is known and no match is needed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import resource
+import time
+from collections.abc import Callable
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+from isograft import transfer
+
+COLUMNS = ("kind", "vertices", "wall s", "CPU s")
+
+
+class Ring:
+    """A bent ring as a grid of so many rows around its tube and columns along it, cut open in UV space."""
+
+    def __init__(self, vertices: int, share: float) -> None:
+        self.rows = max(8, round((vertices * share) ** 0.5))
+        self.columns = max(8, round(vertices / self.rows))
+        i, j = np.divmod(np.arange(self.rows * self.columns), self.columns)
+        self.around, self.along = i / self.rows, j / self.columns
+        self.vertices = place(self.around, self.along)
+        i, j = np.divmod(np.arange(self.rows * self.columns), self.columns)
+        cell = np.array([[[0, 0], [0, 1], [1, 1]], [[0, 0], [1, 1], [1, 0]]])
+        row = i[:, None, None] + cell[None, ..., 0]
+        column = j[:, None, None] + cell[None, ..., 1]
+        shape = (-1, 3)
+        faces = (row % self.rows) * self.columns + column % self.columns
+        self.faces = faces.reshape(shape).astype(np.int32)
+        self.uv = np.stack([column / self.columns, row / self.rows], axis=-1).reshape(-1, 3, 2)
+
+    def at(self, around: np.ndarray, along: np.ndarray) -> SimpleNamespace:
+        """The points at angles, in turns: what a correspondence holds."""
+        u, v = (around % 1.0) * self.rows, (along % 1.0) * self.columns
+        i, j = u.astype(int) % self.rows, v.astype(int) % self.columns
+        s, t = u - np.floor(u), v - np.floor(v)
+        upper = s > t
+        weights = np.where(upper[:, None], np.stack([1 - s, t, s - t], axis=1), np.stack([1 - t, t - s, s], axis=1))
+        face = (2 * (i * self.columns + j) + upper).astype(np.int32)
+        vertex = self.faces[face, weights.argmax(axis=1)]
+        return SimpleNamespace(
+            face=face, barycentric=weights, vertex=vertex, confidence=np.ones(len(face)), stretch=np.zeros(len(face)),
+            region=np.zeros(len(face), np.int32),
+        )  # fmt: skip
+
+
+def place(around: np.ndarray, along: np.ndarray) -> np.ndarray:
+    """Points of the ring at angles in turns."""
+    tube, circle = 2 * np.pi * around, 2 * np.pi * along
+    radius = 0.4 + 0.05 * np.sin(5 * circle) * np.cos(3 * tube)
+    out = 1.0 + radius * np.cos(tube)
+    return np.stack([out * np.cos(circle), out * np.sin(circle), radius * np.sin(tube)], axis=1)
+
+
+def kinds(vertices: int, size: int, threads: int) -> dict[str, Callable[[], Any]]:
+    """Every kind of transfer between two rings of so many vertices."""
+    donor, receiver = Ring(vertices, 0.5), Ring(vertices, 0.35)
+    found = donor.at(receiver.around + 0.003, receiver.along + 0.002)
+    partial = SimpleNamespace(**vars(found))
+    # A twentieth has no counterpart: what filling is for.
+    hole = (np.abs(receiver.along - 0.5) < 0.025) & (receiver.around > 0.01)
+    partial.face = np.where(hole, -1, found.face).astype(np.int32)
+    partial.vertex = np.where(hole, -1, found.vertex).astype(np.int32)
+    meshes = receiver.vertices, receiver.faces, donor.vertices, donor.faces
+    random = np.random.default_rng(0)
+    count, triangles = len(donor.vertices), len(donor.faces)
+    weights = random.random((count, 40))
+    keys = 0.01 * random.normal(size=(10, count, 3))
+    normals = donor.vertices[donor.faces] + [0.0, 0.0, 0.1]
+    edges = {name: np.unique(np.sort(np.concatenate([ring.faces[:, [0, 1]], ring.faces[:, [1, 2]]]), axis=1), axis=0)
+             for name, ring in (("own", receiver), ("other", donor))}  # fmt: skip
+    marks = np.arange(len(edges["other"]))
+    known = partial.face >= 0
+    colors = transfer.transfer_point(partial, donor.faces, weights[:, :4]).values
+    image = random.integers(0, 255, (size, size, 3), dtype=np.uint8)
+    channels = [
+        transfer.Channel(image),
+        transfer.Channel(np.ascontiguousarray(image[..., :1])),
+        transfer.Channel(image, kind="normal"),
+    ]
+
+    def bake(correspondence: Any, fill: bool) -> Any:
+        uv = receiver.uv
+        return transfer.bake(
+            correspondence, *meshes[:2], uv, *meshes[2:], donor.uv, channels, size, fill=fill, threads=threads
+        )
+
+    return {
+        "UV map": lambda: transfer.transfer_corner_uv(found, *meshes, donor.uv, threads=threads),
+        "colours of corners": lambda: transfer.transfer_corner(found, *meshes, donor.uv, threads=threads),
+        "40 vertex groups": lambda: transfer.transfer_weights(found, donor.faces, weights),
+        "10 shape keys": lambda: transfer.transfer_shape_keys(found, *meshes, keys, threads=threads),
+        "custom normals": lambda: transfer.transfer_normals(found, *meshes, normals, threads=threads),
+        "values of faces": lambda: transfer.transfer_face(found, *meshes, np.arange(triangles), threads=threads),
+        "values of edges": lambda: transfer.transfer_edge(
+            found, *meshes[:2], edges["own"], *meshes[2:], edges["other"], marks, threads=threads
+        ),
+        "cut along seams": lambda: transfer.cut_along_seams(found, *meshes, donor.uv, threads=threads),
+        "inverse map": lambda: transfer.invert(found, *meshes, threads=threads),
+        f"bake, 3 channels of {size} x {size}": lambda: bake(found, False),
+        "bake, filled": lambda: bake(partial, True),
+        "fill colours": lambda: transfer.fill_point(*meshes[:2], np.nan_to_num(colors), known),
+        "wrap": lambda: transfer.wrap(partial, *meshes, threads=threads),
+    }  # fmt: skip
+
+
+def main(arguments: list[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(prog="scripts/transfer_benchmark", description=__doc__)
+    parser.add_argument("--vertices", metavar="A,B", default="50000,100000", help="(default: 50000,100000)")
+    parser.add_argument("--size", type=int, default=4096, help="of the images baked (default: 4096)")
+    parser.add_argument("--threads", type=int, default=os.cpu_count() or 1, help="(default: all cores)")
+    parser.add_argument("--only", metavar="WORD", default="", help="kinds whose name has this in it")
+    given = parser.parse_args(arguments)
+    print("| " + " | ".join(COLUMNS) + " |\n|" + " --- |" * len(COLUMNS), flush=True)
+    for vertices in (int(text) for text in given.vertices.split(",")):
+        for name, run in kinds(vertices, given.size, given.threads).items():
+            if given.only not in name:
+                continue
+            wall, spent = time.perf_counter(), time.process_time()
+            run()
+            wall, spent = time.perf_counter() - wall, time.process_time() - spent
+            print(f"| {name} | {vertices:,} | {wall:.2f} | {spent:.2f} |", flush=True)
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    print(f"\n{given.threads} threads, peak memory {peak:,.0f} MB")
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
