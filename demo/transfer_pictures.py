@@ -19,6 +19,8 @@ from demo import addon, creature, pictures, scene
 from demo.implicit import Array
 
 PIXELS, SAMPLES = 1100, 24
+SWOLLEN = "spine.4"
+"""The bone whose part of the surface the shape key swells."""
 MARK = (0.85, 0.12, 0.05)
 
 
@@ -86,14 +88,19 @@ class Album:
         pictures.remove(items)
 
     def textures(self) -> None:
-        """The donor's image and relief in a new unwrap of the receiver."""
-        before, after = copy_of(self.receiver), self.receiver
-        addon.select(self.donor, after)
-        if bpy.ops.object.isograft_bake(size=2048, uv_source="UNWRAP") != {"FINISHED"}:
-            raise RuntimeError("the bake did not finish")
-        shown = copy_of(after)
-        self.shoot("textures", [self.donor, before, shown], ["donor", "receiver before", "baked into a new unwrap"])
-        pictures.remove([before, shown])
+        """The donor's image and relief in a new unwrap of the receiver, unmatched parts left alone and filled."""
+        bare = copy_of(self.receiver)
+        bare.data.materials.clear()
+        bare.data.materials.append(scene.plain_material("Bare", scene.BARE))
+        items = [self.donor, bare]
+        for fill in (False, True):
+            receiver = copy_of(bare)
+            addon.select(self.donor, receiver)
+            if bpy.ops.object.isograft_bake(size=2048, uv_source="UNWRAP", fill=fill) != {"FINISHED"}:
+                raise RuntimeError("the bake did not finish")
+            items.append(receiver)
+        self.shoot("textures", items, ["donor", "receiver before", "baked into a new unwrap", "filled on request"])
+        pictures.remove(items[1:])
 
     def colours(self) -> None:
         """A colour attribute, unmatched parts left black, and filled on request."""
@@ -121,19 +128,20 @@ class Album:
         pictures.remove(items)
 
     def keys(self) -> None:
-        """A shape key that arches the back, at 0 and at 1; filled, so that the rims of the scan's holes go along."""
-        points = np.array([tuple(v.co) for v in self.donor.data.vertices])
-        low, high = points.min(axis=0), points.max(axis=0)
-        where = (points - low) / (high - low)
-        near = np.exp(-(((where[:, 1] - 0.5) / 0.2) ** 2))
+        """A shape key that swells the chest, at 0 and at 1; filled, so that the rims of the scan's holes go along."""
+        mesh = self.donor.data
+        points, normals = (np.array([tuple(getattr(v, name)) for v in mesh.vertices]) for name in ("co", "normal"))
+        names = list(self.donor.vertex_groups.keys())
+        chest = creature.read_weights(self.donor, names)[:, names.index(SWOLLEN)]
+        size = np.ptp(points, axis=0).max()
         self.donor.shape_key_add(name="Basis", from_mix=False)
-        key = self.donor.shape_key_add(name="Arch", from_mix=False)
-        arched = points + 0.3 * (high - low)[2] * near[:, None] * np.array([0.0, 0.0, 1.0]) * where[:, 2:]
-        key.data.foreach_set("co", arched.astype(np.float32).ravel())
+        key = self.donor.shape_key_add(name="Swell", from_mix=False)
+        shape = points + 0.06 * size * chest[:, None] * normals
+        key.data.foreach_set("co", shape.astype(np.float32).ravel())
         self.graft(what={"KEYS"}, fill=True)
         items = [copy_of(self.donor), copy_of(self.receiver), copy_of(self.receiver)]
         for item in (items[0], items[2]):
-            item.data.shape_keys.key_blocks["Arch"].value = 1.0
+            item.data.shape_keys.key_blocks["Swell"].value = 1.0
         plain = scene.plain_material("Clay", (0.45, 0.33, 0.26))
         for item in items:
             item.data.materials.clear()

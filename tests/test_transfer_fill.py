@@ -182,7 +182,7 @@ def test_wrapping_refuses_what_does_not_fit():
 
 
 def test_baked_images_go_on_smoothly_into_what_is_unmatched():
-    """On a plane a colour that is linear in the place stays linear through a hole: a bi-Laplacian's law."""
+    """On a plane a colour that is linear in the place stays linear through a hole: a harmonic law."""
     vertices, faces, uv = flat(12)
     correspondence = identity_map(vertices, faces)
     hole = (np.abs(vertices[:, :2] - vertices[:, :2].mean(axis=0)) < 0.2 * np.ptp(vertices[:, 0])).all(axis=1)

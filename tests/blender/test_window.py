@@ -63,8 +63,9 @@ def test_esc_cancels_soon_and_leaves_everything_as_it_was(seen: dict[str, Any]) 
     assert seen["cancel_changes_nothing"]
 
 
-def test_one_undo_takes_a_transfer_back_and_keeps_the_match(seen: dict[str, Any]) -> None:
+def test_one_undo_takes_a_transfer_with_its_cuts_back_and_keeps_the_match(seen: dict[str, Any]) -> None:
     assert seen["transferred"] == ["FINISHED"]
+    assert seen["cut"] > 50
     assert seen["received"] == ["Atlas"]
     assert seen["one_undo_takes_the_transfer_back"]
     assert seen["still_matched"]

@@ -171,10 +171,14 @@ def session() -> Iterator[float]:
     start_match()
     yield from wait_for_end()
     after_match = state()
+    faces = len(bpy.data.objects["Scan"].data.polygons)
     with bpy.context.temp_override(**view()):
         # True: with an undo step, as a button does; a script's call has none of its own.
-        seen["transferred"] = sorted(bpy.ops.object.isograft_transfer("INVOKE_DEFAULT", True, what={"UV", "COLOR"}))
+        seen["transferred"] = sorted(
+            bpy.ops.object.isograft_transfer("INVOKE_DEFAULT", True, what={"UV", "COLOR"}, cut_seams=True)
+        )
     yield 0.5
+    seen["cut"] = len(bpy.data.objects["Scan"].data.polygons) - faces
     seen["received"] = sorted(bpy.data.objects["Scan"].data.uv_layers.keys())
     undo()
     yield 0.5

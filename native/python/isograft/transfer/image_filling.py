@@ -7,13 +7,14 @@ import numpy as np
 
 from isograft import _native
 from isograft.transfer.arrays import Array, Progress, value_columns
-from isograft.transfer.filling import fill_point
-from isograft.transfer.progress import part_of
+from isograft.transfer.progress import part_of, tell
 
 # Where a triangle's image is looked at for its first corner: three texels do not let one hair or pore decide.
 _NEAR_CORNER = np.array([[0.8, 0.1, 0.1], [0.6, 0.3, 0.1], [0.6, 0.1, 0.3]])
 _FLAT = np.array([0.5, 0.5, 1.0, 1.0])
 _BAKED = 1
+# Of conjugate gradients; holes of a million vertices need as many.
+_STEPS = 2000
 
 
 def fill_images(
@@ -30,15 +31,15 @@ def fill_images(
 ) -> Array:
     """Fill `images` in the triangles that are not `known` (F,), then their margin; `mask` says which texels.
 
-    Every vertex beside a baked triangle has the mean colour of that side, the others continue it smoothly over the
-    surface, and triangles are painted between their corners. Normal maps are flat.
+    Every vertex beside a baked triangle has the mean colour of that side, the others are the mean of their neighbours,
+    and triangles are painted between their corners. Normal maps are flat.
 
     Returns:
         (F,) triangles that were filled.
     """
     share = part_of(progress, 0.0, 0.5)
     sampled, sure = _at_vertices(faces, layout, known, images, mask, len(vertices))
-    paintable = np.zeros(len(vertices), bool)
+    paintable = np.asarray(_native.nearest_known(vertices, faces, sure) >= 0) if sure.any() else sure
     columns = []
     for index, (image, values) in enumerate(zip(images, sampled, strict=True)):
         completed = values
@@ -46,19 +47,50 @@ def fill_images(
             scale = 255.0 if image.dtype == np.uint8 else 1.0
             completed = np.broadcast_to(scale * _FLAT[: values.shape[1]], values.shape)
         elif sure.any() and not sure.all():
-            # Without a limit thin plates would run out of the range of colours.
-            limits = {"low": float(values[sure].min()), "high": float(values[sure].max())}
             part = part_of(share, index / len(images), (index + 1) / len(images))
-            completed, filled = fill_point(vertices, faces, values, sure, **limits, progress=part)
-            paintable = sure | filled
+            completed = _between(faces, values, sure, paintable, part)
         columns.append(completed)
-    if all(are_normals) and sure.any():
-        paintable = sure | fill_point(vertices, faces, sure.astype(float), sure, progress=share).filled
-    wanted = ~known & (paintable | sure)[faces].all(axis=1)
+    wanted = ~known & paintable[faces].all(axis=1)
     given = [(value_columns(values[faces.ravel()]), image) for values, image in zip(columns, images, strict=True)]
     height, width = mask.shape
     _native.paint(layout, wanted, given, width, height, margin, mask, threads, part_of(progress, 0.5, 1.0))
     return wanted
+
+
+def _between(faces: Array, values: Array, sure: Array, reached: Array, progress: Progress | None) -> Array:
+    """Values (n, k), those not `sure` the mean of their neighbours: never beyond the values around the hole.
+
+    Conjugate gradients, about as many steps as the hole has vertices across.
+    """
+    asked = reached & ~sure
+    ends = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    ends = ends[asked[ends].any(axis=1)]
+    ends = np.concatenate([ends, ends[:, ::-1]])
+    here, there = ends[asked[ends[:, 0]]].T
+    row = np.cumsum(asked) - 1
+    count = int(asked.sum())
+    degree = np.maximum(np.bincount(row[here], minlength=count), 1.0)
+    inner = asked[there]
+    own, other = row[here[inner]], row[there[inner]]
+    result = values.copy()
+    for k in range(values.shape[1]):
+        right = np.bincount(row[here[~inner]], weights=values[there[~inner], k], minlength=count)
+        at = np.full(count, values[sure, k].mean())
+        rest = right - (degree * at - np.bincount(own, weights=at[other], minlength=count))
+        step = rest / degree
+        energy = rest @ step
+        least = 1e-12 * max(energy, 1e-300)
+        for _ in range(_STEPS):
+            if energy <= least:
+                break
+            tell(progress, "fill", k / values.shape[1])
+            along = degree * step - np.bincount(own, weights=step[other], minlength=count)
+            size = energy / (step @ along)
+            at, rest = at + size * step, rest - size * along
+            energy, before = rest @ (rest / degree), energy
+            step = rest / degree + energy / before * step
+        result[asked, k] = at
+    return result
 
 
 def _at_vertices(
