@@ -53,6 +53,8 @@ class Album:
         scene.studio(SAMPLES)
         bpy.context.scene.render.image_settings.file_format = "JPEG"
         bpy.context.scene.render.image_settings.quality = 86
+        # Blender would write the path of the file into the picture.
+        bpy.context.scene.render.use_stamp_filename = False
         if "isograft" not in self.receiver:
             addon.select(self.donor, self.receiver)
             bpy.ops.object.isograft_match()
