@@ -46,7 +46,9 @@ def main() -> None:
         item = add(name, parts, upright)
         points = scene.world_points([item])
         low, high = points.min(axis=0), points.max(axis=0)
-        shift = Vector((edge - low[0], -0.5 * (low[1] + high[1]), -low[2]))
+        # A hair above the ground, which a flat one would else lie in.
+        above = 0.01 * float(np.ptp(points, axis=0).max())
+        shift = Vector((edge - low[0], -0.5 * (low[1] + high[1]), above - low[2]))
         item.matrix_world = Matrix.Translation(shift) @ item.matrix_world
         edge += float(high[0] - low[0]) + 0.12 * float(np.ptp(points, axis=0).max())
         items.append(item)

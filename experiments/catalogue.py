@@ -133,7 +133,7 @@ EXPERIMENTS = [
         _of_data("scape_000_005"),
         {**CLEAN, "paper_threshold": 1.9},
         ["nearest", "pyfm-zoomout"],
-        up="y",
+        up="x",
     ),
     Experiment(
         "contacts",

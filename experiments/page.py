@@ -39,6 +39,9 @@ def write_page(experiments: list[Experiment], results: Path, docs: Path) -> None
         if rows:
             parts.append(_section(experiment, rows, docs))
             timed += [row for row in rows if row["method"] == "paper" and "stages" in row]
+    missing = [e.name for e in experiments if not any((results / e.name).glob("*.json"))]
+    if missing:
+        parts.append(f"Not run for this page: {', '.join(missing)}.\n")
     if timed:
         parts.append(_times(timed))
     text = "\n".join(parts)
