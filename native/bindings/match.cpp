@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bindings.h"
+#include "isograft/gate.h"
 #include "isograft/memory.h"
 
 namespace isograft::bindings {
@@ -113,6 +114,20 @@ void bind_match(py::module_& m) {
     m.def("match", &match_arrays, py::arg("source"), py::arg("target"), py::arg("preset"), py::arg("overrides"),
           py::arg("landmarks"), py::arg("landmark_weights"), py::arg("scale_mode"), py::arg("scale_value"),
           py::arg("threads"), py::arg("seed"), py::arg("memory_limit"), py::arg("progress"));
+
+    m.def(
+        "gate_share",
+        [](const std::vector<std::array<std::int64_t, 2>>& made, std::array<std::int64_t, 2> source,
+           std::array<std::int64_t, 2> target, const std::string& preset, const py::dict& overrides, int threads) {
+            MatchOptions options = preset_options(preset);
+            apply(overrides, options);
+            options.threads = threads;
+            std::vector<MeshSize> sizes;
+            for (const auto& [vertices, triangles] : made) sizes.push_back({vertices, triangles});
+            return gate_share(sizes, {source[0], source[1]}, {target[0], target[1]}, options);
+        },
+        py::arg("made"), py::arg("source"), py::arg("target"), py::arg("preset"), py::arg("overrides"),
+        py::arg("threads"));
 
     m.def(
         "check_memory",

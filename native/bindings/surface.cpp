@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "isograft/surface.h"
 
+#include <string>
+#include <tuple>
 #include <utility>
+#include <vector>
 
 #include "bindings.h"
+#include "isograft/gate.h"
 
 namespace isograft::bindings {
 
@@ -14,6 +18,24 @@ void check_rows_of_three(const py::array& array, const std::string& name) {
     std::string shape;
     for (py::ssize_t i = 0; i < array.ndim(); ++i) shape += (i == 0 ? "" : ", ") + std::to_string(array.shape(i));
     throw InvalidInput(name + " must have shape (n, 3), not (" + shape + ")");
+}
+
+using PartsTuple = std::tuple<std::string, DoubleArray, py::object, py::object>;
+
+std::vector<Surface> surfaces_of(const std::vector<PartsTuple>& list, int threads, const py::object& progress) {
+    std::vector<SurfaceParts> parts;
+    for (const auto& [name, vertices, faces, normals] : list) {
+        SurfaceParts part;
+        part.name = name;
+        part.vertices = to_points(vertices, "vertices");
+        part.is_cloud = faces.is_none();
+        if (!part.is_cloud) part.faces = to_triangles(py::cast<IntArray>(faces), "faces");
+        if (!normals.is_none()) part.normals = to_points(py::cast<DoubleArray>(normals), "normals");
+        parts.push_back(std::move(part));
+    }
+    std::vector<Surface> made;
+    run_with_progress(progress, [&](Monitor& monitor) { made = make_surfaces(std::move(parts), threads, &monitor); });
+    return made;
 }
 
 }  // namespace
@@ -30,22 +52,6 @@ Triangles to_triangles(const IntArray& array, const std::string& name) {
 
 void bind_surface(py::module_& m) {
     py::class_<Surface>(m, "Surface")
-        .def(py::init([](const DoubleArray& vertices, const IntArray& faces) {
-                 Points points = to_points(vertices, "vertices");
-                 Triangles triangles = to_triangles(faces, "faces");
-                 const py::gil_scoped_release release;
-                 return Surface::from_mesh(std::move(points), std::move(triangles));
-             }),
-             py::arg("vertices"), py::arg("faces"))
-        .def_static(
-            "from_points",
-            [](const DoubleArray& vertices, const py::object& normals) {
-                Points points = to_points(vertices, "vertices");
-                const Points sides = normals.is_none() ? Points(0, 3) : to_points(normals, "normals");
-                const py::gil_scoped_release release;
-                return Surface::from_points(std::move(points), sides);
-            },
-            py::arg("vertices"), py::arg("normals"))
         .def_property_readonly("is_cloud", &Surface::is_cloud)
         .def_property_readonly("normals", [](const Surface& s) { return to_numpy(s.normals()); })
         .def_property_readonly("working_mesh",
@@ -57,6 +63,8 @@ void bind_surface(py::module_& m) {
         .def_property_readonly("faces", [](const Surface& s) { return to_numpy(s.faces()); })
         .def_property_readonly("warnings", &Surface::warnings)
         .def_property_readonly("orientation_is_ambiguous", &Surface::orientation_is_ambiguous);
+
+    m.def("make_surfaces", &surfaces_of, py::arg("parts"), py::arg("threads"), py::arg("progress"));
 }
 
 }  // namespace isograft::bindings

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <sstream>
 
+#include "base/costs.h"
 #include "base/parallel.h"
 #include "base/stopwatch.h"
 #include "blend/blend.h"
@@ -27,9 +28,6 @@
 namespace isograft {
 
 namespace {
-
-// Progress at the end of each stage.
-constexpr double prepared_by = 0.4, grown_by = 0.65, blended_by = 0.88;
 
 void check_landmarks(const std::vector<Landmark>& landmarks, const Surface& surface, int Landmark::* end,
                      const std::string& name) {
@@ -68,7 +66,7 @@ struct Grown {
 
 Grown grow(const Pair& pair, const PatchSettings& settings, const MatchOptions& options, Monitor& monitor, double from,
            double to) {
-    const double seeded = from + 0.2 * (to - from);
+    const double seeded = from + 0.05 * (to - from);
     std::vector<OrientedMatch> seeds = landmark_matches(pair, options);
     const int forced = static_cast<int>(seeds.size());
     if (!options.seed.landmarks_only) {
@@ -212,35 +210,51 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
         }
     };
 
+    const Costs costs(options);
+    const auto points = source.vertices().rows();
+    const double finish = costs.refinement() + costs.dense(points);
+    const double carry = costs.answers(1) + finish;
+    const double search = costs.search(points);
     const double denoise = options.surface.denoise;
     PreparedPair prepared = denoise > 0.0
                                 ? prepare_pair(source.denoised(denoise, watcher), target.denoised(denoise, watcher),
-                                               options, report, watcher, 0.0, prepared_by)
-                                : prepare_pair(source, target, options, report, watcher, 0.0, prepared_by);
+                                               options, report, watcher, 0.0, 1.0, search)
+                                : prepare_pair(source, target, options, report, watcher, 0.0, 1.0, search);
     const Pair& pair = prepared.pair;
     watch.lap();
 
     const PatchSettings settings{options.feature, options.seed, options.growth, options.blend, options.threads};
-    Grown grown = grow(pair, settings, options, watcher, prepared_by, grown_by);
+    double at = watcher.fraction();
+    const double rest = costs.cores(options.blend.cores) + carry;
+    double until = end_of_part(at, 1.0, costs.growth(), rest);
+    Grown grown = grow(pair, settings, options, watcher, at, until);
     if (const double factor = scale_correction(pair, grown, options, report, watcher); factor != 1.0) {
-        rescale(prepared, factor, options, watcher, grown_by, grown_by);
+        at = watcher.fraction();
+        const double described = end_of_part(at, 1.0, 0.3 * costs.setting(), costs.growth() + rest);
+        rescale(prepared, factor, options, watcher, at, described);
         report.scale = prepared.setting.scale;
-        grown = grow(pair, settings, options, watcher, grown_by, grown_by);
+        until = end_of_part(described, 1.0, costs.growth(), rest);
+        grown = grow(pair, settings, options, watcher, described, until);
     }
     report.seeds_tried = grown.seeds;
     report.maps_grown = static_cast<int>(grown.patches.size());
     const std::int64_t map_bytes = pair.source.samples.count() * static_cast<std::int64_t>(sizeof(SurfacePoint) + 48);
     lap("growth", map_bytes * report.maps_grown);
 
-    std::vector<Blended> answers = blend(pair, settings, grown.patches, grown.cores, watcher, grown_by, blended_by);
+    at = watcher.fraction();
+    const int cores = static_cast<int>(grown.cores.size());
+    const double completed = end_of_part(at, 1.0, costs.cores(cores), carry);
+    until = end_of_part(completed, 1.0, costs.answers(1), finish);
+    std::vector<Blended> answers = blend(pair, settings, grown.patches, grown.cores, watcher, at, completed, until);
     report.maps_in_core = answers.front().maps_in_core;
     lap("blend", map_bytes * static_cast<std::int64_t>(answers.size()));
     warn_of_answers(answers, report);
 
-    const double share = 1.0 / static_cast<double>(answers.size());
     for (std::size_t i = 0; i < answers.size(); ++i) {
-        const double begin = blended_by + (1.0 - blended_by) * static_cast<double>(i) * share;
-        const double refined = begin + 0.6 * (1.0 - blended_by) * share;
+        at = watcher.fraction();
+        const double begin = at;
+        const double end = at + (1.0 - at) / static_cast<double>(answers.size() - i);
+        const double refined = end_of_part(at, end, costs.refinement(), costs.dense(points));
         PartialMap& map = answers[i].map;
         drop_collisions(map, pair, answers[i].risk, options.growth.collision_radius);
         refine(map, pair, options.feature, options.growth, options.dense, options.threads, watcher, begin, refined);
@@ -252,8 +266,7 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
         notes.region = continuous_parts(map, pair);
         for (const double doubt : answers[i].risk) notes.confidence.push_back(confidence_of(doubt));
         result.correspondences.push_back(densify(map, pair, notes, options.dense, prepared.source, prepared.target,
-                                                 options.threads, watcher, refined,
-                                                 begin + (1.0 - blended_by) * share));
+                                                 options.threads, watcher, refined, end));
         lap("dense", static_cast<std::int64_t>(source.vertices().rows()) * 88);
     }
     report.seconds = whole.lap();

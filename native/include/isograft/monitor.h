@@ -2,8 +2,10 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <functional>
 #include <string>
+#include <thread>
 
 namespace isograft {
 
@@ -13,8 +15,8 @@ namespace isograft {
 /// so that a binding may take its interpreter lock there and nowhere else.
 class Monitor {
   public:
-    /// Called with the stage's name and the fraction done in [0, 1], rising within the whole call and ending at 1.
-    /// Returning false asks for cancellation.
+    /// Called with the stage's name and the fraction done in [0, 1], rising within the whole call and ending at 1;
+    /// about ten times a second, also while the fraction stays. Returning false asks for cancellation.
     using Callback = std::function<bool(const std::string& stage, double fraction)>;
 
     Monitor() = default;
@@ -25,17 +27,31 @@ class Monitor {
 
     [[nodiscard]] bool cancelled() const noexcept { return cancelled_.load(std::memory_order_relaxed); }
 
+    /// From any thread. On the one that reports, the callback is called if it was not lately.
     /// \throw Cancelled if cancellation was asked for.
-    void check() const;
+    void check();
 
-    /// Report progress; on the calling thread only. Fractions below the last one are raised to it.
+    /// Report progress and begin a stage, perhaps the one that is on; on the calling thread only. Fractions below the
+    /// last one are raised to it.
     /// \throw Cancelled if the callback returns false or cancellation was asked for.
     void report(const std::string& stage, double fraction);
 
+    /// A check, and `part` of the whole more is done.
+    void add(double part);
+
+    /// The fraction done. From any thread.
+    [[nodiscard]] double fraction() const noexcept;
+
   private:
+    void tell();
+
     Callback callback_;
     std::atomic<bool> cancelled_{false};
-    double last_ = 0.0;
+    std::atomic<double> fraction_{0.0};
+    std::atomic<std::thread::id> reporter_{};
+    // Of the reporting thread.
+    std::string stage_;
+    std::chrono::steady_clock::time_point told_{};
 };
 
 }  // namespace isograft

@@ -29,8 +29,10 @@ class Surface {
     /// caller's own vertices and triangles.
     /// \param vertices #V by 3, any unit. \param faces #F by 3, indices into `vertices`.
     /// \throw InvalidInput if either is empty, a coordinate is not finite, an index is out of range, or no
-    /// triangle has an area. \throw ResourceLimit above 2^30 vertices or 2^31 / 3 triangles.
-    static Surface from_mesh(Points vertices, Triangles faces);
+    /// triangle has an area. \throw ResourceLimit above 2^30 vertices or 2^31 / 3 triangles; Cancelled if `monitor`
+    /// asks for it.
+    /// \param monitor may be null. \param share of its progress that this is.
+    static Surface from_mesh(Points vertices, Triangles faces, Monitor* monitor = nullptr, double share = 1.0);
 
     /// Check a point cloud and find the surface that its points lie on.
     ///
@@ -39,11 +41,12 @@ class Surface {
     /// where the cloud has holes. What was done is told in warnings(), with counts. Results are indexed by the caller's
     /// own points. O(n log n).
     /// \param vertices #V by 3, any unit. \param normals #V by 3 of any length, or without rows to have them estimated.
-    /// \param monitor may be null.
+    /// \param monitor may be null. \param share of its progress that this is.
     /// \throw InvalidInput for fewer than 50 different points, a coordinate or normal that is not finite, normals
     /// without length or in another number, or points that show no surface. \throw ResourceLimit above 2^30 points;
     /// Cancelled if `monitor` asks for it.
-    static Surface from_points(Points vertices, const Points& normals = Points(0, 3), Monitor* monitor = nullptr);
+    static Surface from_points(Points vertices, const Points& normals = Points(0, 3), Monitor* monitor = nullptr,
+                               double share = 1.0);
 
     /// #V by 3, as given.
     [[nodiscard]] const Points& vertices() const { return vertices_; }
@@ -66,7 +69,7 @@ class Surface {
     /// The repaired mesh the stages work on; over a point cloud, one made for it (internal).
     [[nodiscard]] const TriangleMesh& mesh() const { return *mesh_; }
     /// The same surface with its open components turned over (internal: both sides are tried, consensus decides).
-    [[nodiscard]] Surface with_open_parts_reversed() const;
+    [[nodiscard]] Surface with_open_parts_reversed(Monitor* monitor = nullptr) const;
     /// The same surface with the mesh the stages work on smoothed (internal; see SurfaceOptions). A cloud's is already.
     [[nodiscard]] Surface denoised(double support, Monitor& monitor) const;
 

@@ -10,9 +10,6 @@ class ResourceLimit(MemoryError): ...
 class Cancelled(Exception): ...
 
 class Surface:
-    def __init__(self, vertices: npt.NDArray[np.float64], faces: npt.NDArray[np.int32]) -> None: ...
-    @staticmethod
-    def from_points(vertices: npt.NDArray[np.float64], normals: npt.NDArray[np.float64] | None) -> Surface: ...
     @property
     def is_cloud(self) -> bool: ...
     @property
@@ -27,6 +24,20 @@ class Surface:
     def warnings(self) -> list[str]: ...
     @property
     def orientation_is_ambiguous(self) -> bool: ...
+
+def make_surfaces(
+    parts: Sequence[tuple[str, npt.NDArray[np.float64], npt.NDArray[np.int32] | None, npt.NDArray[np.float64] | None]],
+    threads: int,
+    progress: Callable[[str, float], Any] | None,
+) -> list[Surface]: ...
+def gate_share(
+    made: Sequence[tuple[int, int]],
+    source: tuple[int, int],
+    target: tuple[int, int],
+    preset: str,
+    overrides: dict[str, Any],
+    threads: int,
+) -> float: ...
 
 class Correspondence:
     def __init__(

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,10 +17,7 @@ from isograft.formats.npz import read_npz, write_npz
 from isograft.landmarks import to_landmarks
 from isograft.presets import check_overrides, preset_options
 from isograft.report import Report
-from isograft.surface import Surface, as_surface
-
-#: Called with the stage's name and the fraction done; returning False cancels.
-ProgressCallback = Callable[[str, float], Any]
+from isograft.surface import ProgressCallback, Surface, as_surfaces, check_progress
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,8 +83,7 @@ def match(
         ResourceLimit: the surfaces are too large for this build, or for `memory_limit`.
         Cancelled: `progress` returned False. What it raises is passed on; so is KeyboardInterrupt.
     """
-    if not (progress is None or callable(progress)):
-        raise InvalidInput(f"progress must be callable, not {type(progress).__name__}")
+    check_progress(progress)
     options = preset_options(preset) | check_overrides(overrides, preset)
     scale_mode, scale_value = to_scale(scale)
     thread_count = 0 if threads is None else to_int(threads, "threads", 1, 1024)
@@ -96,8 +91,10 @@ def match(
     limit = 0 if memory_limit is None else to_int(memory_limit, "memory_limit", 1, 2**62)
     if limit:
         _native.check_memory(_size(source), _size(target), preset, options, thread_count, limit)
-    s = as_surface(source, "source")
-    t = as_surface(target, "target")
+    named = [("source", source), ("target", target)]
+    raw = [_size(value) for _, value in named if not isinstance(value, Surface)]
+    gate = _native.gate_share(raw, _size(source), _size(target), preset, options, thread_count) if raw else 0.0
+    s, t = as_surfaces(named, thread_count, _part(progress, 0.0, gate))
     marks = to_landmarks(landmarks, s.vertices, t.vertices)
 
     found = _native.match(
@@ -112,11 +109,18 @@ def match(
         threads=thread_count,
         seed=seed_value,
         memory_limit=limit,
-        progress=progress,
+        progress=_part(progress, gate, 1.0),
     )
     correspondences = [Correspondence.from_native(item, t.faces, len(t.vertices)) for item in found.correspondences]
     report = Report.from_native(found.report, preset, seed_value, options)
     return Match(correspondences[0], correspondences[1:], report)
+
+
+def _part(progress: ProgressCallback | None, begin: float, end: float) -> ProgressCallback | None:
+    """The same callback for a part of the whole; fractions of 1 stay exact."""
+    if progress is None:
+        return None
+    return lambda stage, fraction: progress(stage, max(begin, end - (end - begin) * (1.0 - fraction)))
 
 
 def _size(value: Any) -> tuple[int, int]:

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
+#include <condition_variable>
 #include <exception>
 #include <limits>
 #include <mutex>
@@ -17,6 +19,8 @@ int worker_count(int requested) {
 }
 
 namespace {
+
+constexpr std::chrono::milliseconds patience{100};
 
 struct Failure {
     std::mutex mutex;
@@ -35,9 +39,11 @@ struct Failure {
 
 void parallel_for(int count, int threads, const std::function<void(int index, int worker)>& task, Monitor& monitor,
                   const char* stage, double from, double to) {
+    monitor.report(stage, from);
     std::atomic<int> next{0};
     std::atomic<bool> stop{false};
     Failure failure;
+    const double part = (to - from) / std::max(1, count);
     const auto work = [&](int worker) {
         while (!stop.load(std::memory_order_relaxed)) {
             const int i = next.fetch_add(1, std::memory_order_relaxed);
@@ -45,18 +51,41 @@ void parallel_for(int count, int threads, const std::function<void(int index, in
             try {
                 monitor.check();
                 task(i, worker);
-                if (worker == 0) monitor.report(stage, from + (to - from) * i / count);
+                monitor.add(part);
             } catch (...) {
                 failure.note(i);
                 stop.store(true, std::memory_order_relaxed);
             }
         }
     };
-    std::vector<std::thread> others;
-    const int workers = std::min(worker_count(threads), std::max(1, count));
-    for (int w = 1; w < workers; ++w) others.emplace_back(work, w);
+    std::mutex mutex;
+    std::condition_variable ended;
+    const int others = std::min(worker_count(threads), std::max(1, count)) - 1;
+    int running = others;
+    std::vector<std::thread> helpers;
+    for (int w = 1; w <= others; ++w) {
+        helpers.emplace_back([&, w] {
+            work(w);
+            const std::lock_guard lock(mutex);
+            --running;
+            ended.notify_one();
+        });
+    }
     work(0);
-    for (auto& thread : others) thread.join();
+    // The others' progress is told from here too.
+    for (bool waiting = true; waiting;) {
+        {
+            std::unique_lock lock(mutex);
+            waiting = !ended.wait_for(lock, patience, [&] { return running == 0; });
+        }
+        try {
+            monitor.check();
+        } catch (...) {
+            failure.note(count);
+            stop.store(true, std::memory_order_relaxed);
+        }
+    }
+    for (auto& helper : helpers) helper.join();
     if (failure.exception) std::rethrow_exception(failure.exception);
     monitor.report(stage, to);
 }

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "base/parallel.h"
+#include "base/piece.h"
 #include "blend/completion.h"
 #include "blend/core.h"
 
@@ -31,19 +32,24 @@ struct Contender {
     double score = -1.0;
 };
 
-void complete(Contender& contender, const Core& core, const Pair& pair, const PatchSettings& settings) {
+void complete(Contender& contender, const Core& core, const Pair& pair, const PatchSettings& settings, Piece progress) {
     Completion& completion = *contender.completion;
     completion.start(core);
+    progress.reach(0.1);
     for (int round = 0; round < settings.blend.rounds; ++round) {
-        if (!completion.second_pass()) break;
+        const double share = 0.7 * (round + 1) / settings.blend.rounds;
+        if (!completion.second_pass(progress.until(0.1 + share))) break;
     }
+    progress.reach(0.8);
     // How far a core reaches without a check says most about it, so it is judged after a free extension.
     contender.careful = completion.map();
     completion.extend(1.0);
+    progress.reach(0.95);
     completion.place_anchors();
     contender.quality = measure_quality(pair, settings.feature, completion.map(), completion.doubts());
     contender.score = choice_score(contender.quality);
     contender.free = completion.map();
+    progress.reach(1.0);
 }
 
 // Share of the samples that two maps have in common which they put in the same place; nothing if they share too few.
@@ -91,16 +97,19 @@ std::vector<std::size_t> rank(const std::vector<Contender>& contenders, const Bl
 }
 
 // The surest parts first: what a careful round adds helps to judge the next one.
-void extend_carefully(Completion& completion, const BlendOptions& options) {
+void extend_carefully(Completion& completion, const BlendOptions& options, Piece progress) {
     completion.trim(options.accept);
     for (int round = 0; round < options.careful_rounds; ++round) {
         const int before = completion.map().count;
+        const double share = 0.8 / options.careful_rounds;
         completion.extend(options.accept);
         completion.trim(0.8 * options.accept);
-        completion.second_pass();
+        progress.reach(share * (round + 0.5));
+        completion.second_pass(progress.until(share * (round + 1)));
         completion.trim(0.8 * options.accept);
         if (completion.map().count <= before + 2) break;
     }
+    progress.reach(0.8);
     // A single sample's evidence is noisier than that of its ring, so the last extension is free and judged as a whole.
     completion.extend(1.0);
     completion.trim(options.accept);
@@ -109,17 +118,19 @@ void extend_carefully(Completion& completion, const BlendOptions& options) {
 }  // namespace
 
 std::vector<Blended> blend(const Pair& pair, const PatchSettings& settings, const std::vector<Patch>& patches,
-                           const std::vector<Core>& cores, Monitor& monitor, double from, double to) {
+                           const std::vector<Core>& cores, Monitor& monitor, double from, double middle, double to) {
     std::vector<Contender> contenders(cores.size());
     Trials trials(pair, settings, 2 * settings.seed.probe_size);
-    const double middle = from + 0.6 * (to - from);
+    monitor.report("blend", from);
     parallel_for(
         static_cast<int>(cores.size()), settings.threads,
         [&](int i, int /*worker*/) {
             contenders[i].completion = std::make_unique<Completion>(pair, settings, patches, trials, monitor);
-            complete(contenders[i], cores[i], pair, settings);
+            complete(contenders[i], cores[i], pair, settings,
+                     Piece(monitor, (middle - from) / static_cast<double>(cores.size())));
         },
-        monitor, "blend", from, middle);
+        monitor, "blend", from, from);
+    monitor.report("blend", middle);
     const std::vector<std::size_t> ranked = rank(contenders, settings.blend);
     std::vector<Blended> result(std::max<std::size_t>(1, ranked.size()));
     parallel_for(
@@ -129,11 +140,13 @@ std::vector<Blended> blend(const Pair& pair, const PatchSettings& settings, cons
             Completion& completion = *chosen.completion;
             completion.hear(witnesses(contenders, ranked[i], settings.blend.agreement_radius));
             completion.map() = chosen.careful;
-            extend_carefully(completion, settings.blend);
+            extend_carefully(completion, settings.blend,
+                             Piece(monitor, (to - middle) / static_cast<double>(ranked.size())));
             completion.place_anchors();
             result[i] = {completion.map(), completion.doubts(), chosen.quality, chosen.score, cores[ranked[i]].count};
         },
-        monitor, "blend", middle, to);
+        monitor, "blend", middle, middle);
+    monitor.report("blend", to);
     if (ranked.empty()) {
         result[0].map = PartialMap(pair.source.samples.count());
         result[0].risk.assign(pair.source.samples.count(), 0.0);

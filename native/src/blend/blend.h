@@ -21,13 +21,14 @@ struct Blended {
     int maps_in_core = 0;
 };
 
-/// Complete the strongest cores, choose one, and carry it carefully into the rest (what paper section 4.4 is there for).
+/// Complete the strongest cores, choose one, and carry it carefully into the rest (paper section 4.4).
 ///
 /// \param cores those of find_cores(), the strongest first.
+/// \param middle progress when the cores are complete.
 /// \return the chosen map, empty where even the best core fits the surfaces no better than chance; after it those that
 /// contradict it and score nearly as high, by falling score: the surfaces map onto themselves, and it is open which of
 /// them is meant.
 std::vector<Blended> blend(const Pair& pair, const PatchSettings& settings, const std::vector<Patch>& patches,
-                           const std::vector<Core>& cores, Monitor& monitor, double from, double to);
+                           const std::vector<Core>& cores, Monitor& monitor, double from, double middle, double to);
 
 }  // namespace isograft

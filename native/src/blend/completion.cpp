@@ -38,6 +38,7 @@ Completion::Completion(const Pair& pair, const PatchSettings& settings, const st
 }
 
 void Completion::optimise(int iterations, double trim) {
+    monitor_.check();
     RelaxSettings relax_settings;
     relax_settings.iterations = iterations;
     relax_settings.trim = trim;
@@ -144,13 +145,15 @@ void Completion::try_candidate(const TrialSeed& seed) {
     weights_.push_back(own_.back().weight);
 }
 
-bool Completion::second_pass() {
+bool Completion::second_pass(Piece progress) {
     const int before = map_.count;
     if (!place_anchors()) return false;
     revive();
-    for (const Candidate& c : candidates()) {
-        monitor_.check();
-        try_candidate(c.seed);
+    const std::vector<Candidate> all = candidates();
+    progress.reach(0.2);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        try_candidate(all[i].seed);
+        progress.reach(0.2 + 0.7 * static_cast<double>(i + 1) / static_cast<double>(all.size()));
     }
     merge_into(map_, pair_, settings_, patches_, weights_);
     drop_torn_parts(map_, pair_);
@@ -181,6 +184,7 @@ std::vector<double> Completion::doubts() const {
     const Samples& source = pair_.source.samples;
     std::vector<Evidence> own(source.count());
     for (int s = 0; s < source.count(); ++s) {
+        if (s % 64 == 0) monitor_.check();
         if (map_.mapped[s]) own[s] = evidence(s, map_.image[s], map_.rotation[s]);
     }
     std::vector<double> result(source.count(), 0.0);
@@ -213,13 +217,13 @@ void Completion::extend(double accept) {
     run.final_iterations = 3;
     run.slack = 2.0;
     run.mismatch = [&](int s, const SurfacePoint& p, Complex turn) {
+        monitor_.check();
         return mismatch(pair_, settings_.feature, s, p, turn);
     };
     run.mismatch_weight = 0.3;
     if (accept < 1.0) {
         run.refuse = [&](int s, const SurfacePoint& p, Complex turn) { return doubt(evidence(s, p, turn)) > accept; };
     }
-    monitor_.check();
     grower_.grow(map_, run);
     drop_torn_parts(map_, pair_);
 }

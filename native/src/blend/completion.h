@@ -4,6 +4,7 @@
 #include <deque>
 #include <vector>
 
+#include "base/piece.h"
 #include "blend/anchors.h"
 #include "blend/core.h"
 #include "blend/doubt.h"
@@ -24,7 +25,7 @@ class Completion {
 
     /// One second pass: anchors on the map filter candidates in what is uncovered on both surfaces; maps grown from
     /// them, and old patches that fit after all, are merged in. \return whether the map gained.
-    bool second_pass();
+    bool second_pass(Piece progress);
 
     /// Grow the map outward. A sample is refused where its doubt() exceeds `accept`; 1 refuses none.
     void extend(double accept);

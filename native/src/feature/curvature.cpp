@@ -45,12 +45,15 @@ SparseMatrix stiffness(const TriangleMesh& mesh) {
 
 // A fine mesh of this many vertices for one of the coarse one leaves the heat flow to the latter.
 constexpr int many = 3;
+// Steps between two looks at the monitor.
+constexpr int often = 1 << 18;
 
 // Curvature integrated over every vertex's cell, and the cell's area; nothing on the boundary.
-Eigen::MatrixXd integrated_curvature(const TriangleMesh& mesh) {
+Eigen::MatrixXd integrated_curvature(const TriangleMesh& mesh, Monitor& monitor) {
     const int n = mesh.vertex_count();
     std::vector<Eigen::Vector3d> pull(n, Eigen::Vector3d::Zero());  // 2 H n
     for (int h = 0; h < 3 * mesh.face_count(); ++h) {
+        if (h % often == 0) monitor.check();
         const int i = mesh.from(h);
         const int j = mesh.to(h);
         const Eigen::Vector3d d = half_cotangent(mesh, h) * (mesh.position[i] - mesh.position[j]);
@@ -80,7 +83,8 @@ Eigen::MatrixXd gathered(const Eigen::MatrixXd& fine, const CoarseMesh& coarse) 
 /// Heat flow over a mesh: one symbolic factorisation for all times.
 class HeatFlow {
   public:
-    explicit HeatFlow(const TriangleMesh& mesh) : mesh_(mesh), laplacian_(stiffness(mesh)) {
+    HeatFlow(const TriangleMesh& mesh, Monitor& monitor) : mesh_(mesh), monitor_(monitor), laplacian_(stiffness(mesh)) {
+        monitor_.check();
         solver_.analyzePattern(laplacian_);
     }
 
@@ -90,10 +94,13 @@ class HeatFlow {
         constexpr int steps = 3;
         SparseMatrix system = (time / steps) * laplacian_;
         for (int v = 0; v < n; ++v) system.coeffRef(v, v) += mesh_.vertex_area[v] + 1e-300;
+        monitor_.check();
         solver_.factorize(system);
+        monitor_.check();
         Eigen::MatrixXd smooth = solver_.solve(sources);
         for (int i = 1; i < steps; ++i) {
             for (int v = 0; v < n; ++v) smooth.row(v) *= mesh_.vertex_area[v];
+            monitor_.check();
             smooth = solver_.solve(smooth);
         }
         std::vector<double> result(n, 0.0);
@@ -106,26 +113,32 @@ class HeatFlow {
 
   private:
     const TriangleMesh& mesh_;
+    Monitor& monitor_;
     SparseMatrix laplacian_;
     Eigen::SimplicialLDLT<SparseMatrix> solver_;
 };
 
 }  // namespace
 
+std::vector<double> mean_curvature(const TriangleMesh& mesh, double time, Monitor& monitor) {
+    return HeatFlow(mesh, monitor).spread(integrated_curvature(mesh, monitor), time);
+}
+
 std::vector<double> mean_curvature(const TriangleMesh& mesh, double time) {
-    return HeatFlow(mesh).spread(integrated_curvature(mesh), time);
+    Monitor silent;
+    return mean_curvature(mesh, time, silent);
 }
 
 std::vector<std::vector<double>> coarse_curvatures(const TriangleMesh& fine, const CoarseMesh& coarse,
-                                                   const std::vector<double>& times) {
+                                                   const std::vector<double>& times, Monitor& monitor) {
     std::vector<std::vector<double>> result;
-    const Eigen::MatrixXd sources = integrated_curvature(fine);
+    const Eigen::MatrixXd sources = integrated_curvature(fine, monitor);
     if (!coarse.fine_vertex.empty() && fine.vertex_count() >= many * coarse.mesh.vertex_count()) {
-        HeatFlow flow(coarse.mesh);
+        HeatFlow flow(coarse.mesh, monitor);
         const Eigen::MatrixXd gathered_sources = gathered(sources, coarse);
         for (const double time : times) result.push_back(flow.spread(gathered_sources, time));
     } else {
-        HeatFlow flow(fine);
+        HeatFlow flow(fine, monitor);
         for (const double time : times) result.push_back(at_coarse(coarse, flow.spread(sources, time)));
     }
     return result;

@@ -13,6 +13,8 @@ namespace isograft {
 /// Cotangent Laplacian of the position along the normal, smoothed by heat flow for `time` (square mesh units), which
 /// has the same reach whatever the triangulation. Boundary vertices have no curvature of their own and get that of
 /// the inside. O(#V^1.5) (one sparse factorisation).
+/// \throw Cancelled if `monitor` asks for it.
+std::vector<double> mean_curvature(const TriangleMesh& mesh, double time, Monitor& monitor);
 std::vector<double> mean_curvature(const TriangleMesh& mesh, double time);
 
 /// mean_curvature() at the vertices of a coarse mesh, for several times at once.
@@ -21,6 +23,6 @@ std::vector<double> mean_curvature(const TriangleMesh& mesh, double time);
 /// mesh, whose edges must then be shorter than the flow reaches: linear in the fine mesh's size.
 /// \param fine, coarse in the same unit. \return per time, per vertex of coarse.mesh.
 std::vector<std::vector<double>> coarse_curvatures(const TriangleMesh& fine, const CoarseMesh& coarse,
-                                                   const std::vector<double>& times);
+                                                   const std::vector<double>& times, Monitor& monitor);
 
 }  // namespace isograft

@@ -50,7 +50,7 @@ std::vector<Patch> grow_patches(const Pair& pair, const PatchSettings& settings,
                                 const std::vector<OrientedMatch>& matches, int forced, Monitor& monitor, double from,
                                 double to) {
     const int count = std::min(static_cast<int>(matches.size()), settings.seed.probes + forced);
-    const double middle = from + 0.35 * (to - from);
+    const double middle = from + 0.18 * (to - from);
     const auto growers = make_growers(pair, settings);
     std::vector<Patch> probed(count);
     parallel_for(

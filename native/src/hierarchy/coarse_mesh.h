@@ -3,8 +3,8 @@
 
 #include <vector>
 
+#include "base/piece.h"
 #include "geodesic/surface_point.h"
-#include "isograft/monitor.h"
 #include "isograft/surface.h"
 
 namespace isograft {
@@ -38,10 +38,10 @@ struct Detail {
 ///
 /// Vertices that stay keep their position, so that whatever is known of them stays true. Topology, boundaries and
 /// orientation are kept. O(#V log #V).
-CoarseMesh coarsen(const TriangleMesh& fine, double edge, Monitor& monitor);
+CoarseMesh coarsen(const TriangleMesh& fine, double edge, Piece progress);
 
 /// coarsen() by way of a coarse mesh that is there already, so that the fine one is only looked up.
-CoarseMesh coarsen_further(const TriangleMesh& fine, const CoarseMesh& coarse, double edge, Monitor& monitor);
+CoarseMesh coarsen_further(const TriangleMesh& fine, const CoarseMesh& coarse, double edge, Piece progress);
 
 /// The point of the fine mesh at a point of the coarse one.
 SurfacePoint to_fine(const Detail& detail, const SurfacePoint& point);

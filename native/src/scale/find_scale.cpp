@@ -121,8 +121,9 @@ ScaleVotes vote_scale(const TriangleMesh& source, const TriangleMesh& target, co
     const TriangleMesh t = scaled(target, 1.0 / target_side);
     std::array<std::vector<double>, 2> curvature;
     parallel_for(
-        2, threads, [&](int i, int /*worker*/) { curvature[i] = mean_curvature(i == 0 ? s : t, smoothing_time); },
-        monitor, "scale", from, from);
+        2, threads,
+        [&](int i, int /*worker*/) { curvature[i] = mean_curvature(i == 0 ? s : t, smoothing_time, monitor); }, monitor,
+        "scale", from, from + 0.2 * (to - from));
     const auto& [s_curvature, t_curvature] = curvature;
     Random random(seed);
     const auto s_points = scatter(s, options.votes, random);
@@ -133,12 +134,12 @@ ScaleVotes vote_scale(const TriangleMesh& source, const TriangleMesh& target, co
         [&](int i, int /*worker*/) {
             descriptor[i] = ray_descriptor(t, t_points[i], t_curvature, features.radius, 1.0, 0.0, features);
         },
-        monitor, "scale", from, from + 0.2 * (to - from));
+        monitor, "scale", from + 0.2 * (to - from), from + 0.25 * (to - from));
     std::vector<Row> rows(s_points.size());
     parallel_for(
         static_cast<int>(s_points.size()), threads,
         [&](int i, int /*worker*/) { rows[i] = relative_fit(s, s_points[i], s_curvature, descriptor, features); },
-        monitor, "scale", from + 0.2 * (to - from), to);
+        monitor, "scale", from + 0.25 * (to - from), to);
     const Row fit = mean_fit(rows);
     const auto best = std::min_element(fit.begin(), fit.end());
     const double unit_ratio = target_side / source_side;

@@ -37,11 +37,11 @@ std::vector<SurfacePoint> fixed_points(const Detail& detail, const std::vector<i
 }
 
 // Curvature goes down as lengths go up, and heat needs the square of them.
-void add_curvature(Half& half, const FeatureOptions& options) {
+void add_curvature(Half& half, const FeatureOptions& options, Monitor& monitor) {
     const double factor = half.detail.factor;
     CoarseMesh& coarse = half.detail.coarse;
     const std::vector<double> times{curvature_time(options) / (factor * factor), detail_time / (factor * factor)};
-    std::vector<std::vector<double>> fields = coarse_curvatures(half.detail.fine(), coarse, times);
+    std::vector<std::vector<double>> fields = coarse_curvatures(half.detail.fine(), coarse, times, monitor);
     for (std::vector<double>& field : fields) {
         for (double& h : field) h /= factor;
     }
@@ -62,11 +62,11 @@ void note(MatchReport& report, const std::string& stage, double seconds, std::in
     }
 }
 
-Side make_side(const Surface& surface, const HierarchyOptions& options, Monitor& monitor) {
+Side make_side(const Surface& surface, const HierarchyOptions& options, Piece progress) {
     const double side = std::sqrt(surface.mesh().area);
     Side result{surface, {}, options.coarse_edge * sample_spacing(1.0, options.samples) * side};
     if (result.edge > 0.0) {
-        result.coarse = coarsen(surface.mesh(), result.edge, monitor);
+        result.coarse = coarsen(surface.mesh(), result.edge, progress.until(1.0));
     } else {
         result.coarse.mesh = surface.mesh();
     }
@@ -106,22 +106,22 @@ const Halves::Both& Halves::make(const std::array<HalfRequest, 2>& requests, con
                 half.sampled.samples = spread_samples(half.sampled.mesh, request.spacing, options.hierarchy,
                                                       request.seed, monitor, fixed_points(half.detail, request.fixed));
             } else {
-                add_curvature(half, options.feature);
+                add_curvature(half, options.feature, monitor);
             }
         },
-        monitor, "samples", from, at(0.2));
+        monitor, "samples", from, at(0.15));
     for (int i = 0; i < count; ++i) {
         Half& half = *made[i];
         join_samples(half.sampled.mesh, half.sampled.samples, options.hierarchy, options.threads, monitor,
-                     at(0.2 + 0.1 * i), at(0.3 + 0.1 * i));
+                     at(0.15 + 0.2 * i / count), at(0.15 + 0.2 * (i + 1) / count));
         half.detail.coarse.mesh = half.sampled.mesh;
         note(report, "samples", watch.lap(), half.sampled.samples.bytes());
     }
     for (int i = 0; i < count; ++i) {
         Half& half = *made[i];
-        half.descriptor =
-            window_descriptors(half.sampled.mesh, half.sampled.samples.point, half.curvature, 1.0, options.feature,
-                               options.threads, monitor, at(0.4 + 0.3 * i), at(0.7 + 0.3 * i));
+        half.descriptor = window_descriptors(half.sampled.mesh, half.sampled.samples.point, half.curvature, 1.0,
+                                             options.feature, options.threads, monitor, at(0.35 + 0.65 * i / count),
+                                             at(0.35 + 0.65 * (i + 1) / count));
         note(report, "features", watch.lap(),
              static_cast<std::int64_t>(half.descriptor.size() * sizeof(PolarDescriptor)));
     }

@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "base/piece.h"
 #include "feature/pair.h"
 #include "hierarchy/coarse_mesh.h"
 #include "isograft/match.h"
@@ -20,8 +21,8 @@ struct Side {
     double edge = 0.0;
 };
 
-/// \throw Cancelled if `monitor` asks for it.
-Side make_side(const Surface& surface, const HierarchyOptions& options, Monitor& monitor);
+/// \throw Cancelled if `progress` says so.
+Side make_side(const Surface& surface, const HierarchyOptions& options, Piece progress);
 
 /// One surface of a pair at one size and sample spacing: all that does not depend on the other surface.
 struct Half {

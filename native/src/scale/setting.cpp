@@ -8,7 +8,9 @@
 #include <optional>
 #include <sstream>
 
+#include "base/costs.h"
 #include "base/parallel.h"
+#include "base/piece.h"
 #include "base/stopwatch.h"
 #include "growth/patches.h"
 #include "scale/find_scale.h"
@@ -54,9 +56,10 @@ PreparedPair prepare(Halves& halves, const Side& source, const Side& target, con
 }
 
 // Mean quality of the better half of a few probes; lower is better.
-double probe_setting(const Pair& pair, const MatchOptions& options, Monitor& monitor, double at) {
+double probe_setting(const Pair& pair, const MatchOptions& options, Monitor& monitor, double from, double to) {
+    const double seeded = from + 0.3 * (to - from);
     const PatchSettings settings{options.feature, options.seed, options.growth, options.blend, options.threads};
-    const auto matches = oriented_matches(pair, options.feature, options.seed, options.threads, monitor, at, at);
+    const auto matches = oriented_matches(pair, options.feature, options.seed, options.threads, monitor, from, seeded);
     const int count = std::min(options.scale.probes, static_cast<int>(matches.size()));
     if (count == 0) return 10.0;
     std::vector<std::unique_ptr<Grower>> growers;
@@ -69,7 +72,7 @@ double probe_setting(const Pair& pair, const MatchOptions& options, Monitor& mon
         [&](int i, int worker) {
             quality[i] = probe(pair, settings, *growers[worker], matches[i], options.seed.probe_size).quality;
         },
-        monitor, "scale", at, at);
+        monitor, "scale", seeded, to);
     std::sort(quality.begin(), quality.end());
     const int half = std::max(1, count / 2);
     return std::accumulate(quality.begin(), quality.begin() + half, 0.0) / half;
@@ -104,6 +107,7 @@ std::vector<double> exact_ratios(const Side& source, const Side& target) {
 std::vector<Choice> possible_settings(const std::vector<const Side*>& sources, const std::vector<const Side*>& targets,
                                       const MatchOptions& options, MatchReport& report, Monitor& monitor, double from,
                                       double to) {
+    const auto combinations = static_cast<double>(sources.size() * targets.size());
     const bool automatic = options.scale.mode == ScaleMode::automatic;
     const double given = options.scale.mode == ScaleMode::given ? options.scale.value : 1.0;
     Stopwatch watch;
@@ -112,8 +116,10 @@ std::vector<Choice> possible_settings(const std::vector<const Side*>& sources, c
         for (const Side* t : targets) {
             sides.push_back({{given, s != sources.front(), t != targets.front()}, s, t});
             if (!automatic) continue;
+            const double step = (to - from) / combinations;
+            const double begin = from + step * static_cast<double>(sides.size() - 1);
             sides.back().votes = vote_scale(s->coarse.mesh, t->coarse.mesh, options.feature, options.scale,
-                                            options.random_seed + 4, options.threads, monitor, from, to);
+                                            options.random_seed + 4, options.threads, monitor, begin, begin + step);
         }
     }
     note(report, "scale", watch.lap(), 0);
@@ -132,39 +138,55 @@ std::vector<Choice> possible_settings(const std::vector<const Side*>& sources, c
 }  // namespace
 
 PreparedPair prepare_pair(const Surface& source, const Surface& target, const MatchOptions& options,
-                          MatchReport& report, Monitor& monitor, double from, double to) {
-    const double voted = from + 0.3 * (to - from);
+                          MatchReport& report, Monitor& monitor, double from, double to, double later) {
     Stopwatch coarsening;
     std::vector<Surface> surfaces{source, target};
     // Turning both over changes nothing, so one is enough.
     if (source.orientation_is_ambiguous()) {
-        surfaces.push_back(source.with_open_parts_reversed());
+        surfaces.push_back(source.with_open_parts_reversed(&monitor));
     } else if (target.orientation_is_ambiguous()) {
-        surfaces.push_back(target.with_open_parts_reversed());
+        surfaces.push_back(target.with_open_parts_reversed(&monitor));
     }
+    const Costs costs(options);
+    const bool automatic = options.scale.mode == ScaleMode::automatic;
+    const double votes = automatic ? costs.votes(static_cast<int>(surfaces.size()) - 1) : 0.0;
+    std::vector<std::int64_t> vertices;
+    for (const Surface& s : surfaces) vertices.push_back(s.mesh().vertex_count());
+    const double all = static_cast<double>(std::accumulate(vertices.begin(), vertices.end(), std::int64_t{0}));
+    const double coarse_by = end_of_part(from, to, costs.coarsening(vertices), votes + costs.setting() + later);
     std::vector<Side> made(surfaces.size());
     parallel_for(
         static_cast<int>(surfaces.size()), options.threads,
-        [&](int i, int /*worker*/) { made[i] = make_side(surfaces[i], options.hierarchy, monitor); }, monitor,
-        "surface", from, from);
+        [&](int i, int /*worker*/) {
+            const double share = static_cast<double>(vertices[i]) / all;
+            made[i] = make_side(surfaces[i], options.hierarchy, Piece(monitor, share * (coarse_by - from)));
+        },
+        monitor, "surface", from, from);
     std::vector<const Side*> sources{made.data()}, targets{&made[1]};
     if (made.size() > 2) (source.orientation_is_ambiguous() ? sources : targets).push_back(&made[2]);
     note(report, "surface", coarsening.lap(), 0);
-    const std::vector<Choice> settings = possible_settings(sources, targets, options, report, monitor, from, voted);
+    const double voted = end_of_part(coarse_by, to, votes, costs.setting() + later);
+    const std::vector<Choice> settings =
+        possible_settings(sources, targets, options, report, monitor, coarse_by, voted);
     Halves halves;
     std::optional<PreparedPair> best;
     double best_quality = 0.0;
+    const bool probed = settings.size() > 1;
+    const double probes = probed ? costs.probes_of_setting() : 0.0;
+    double begin = voted;
     for (std::size_t i = 0; i < settings.size(); ++i) {
-        const double step = (to - voted) / static_cast<double>(settings.size());
-        const double begin = voted + static_cast<double>(i) * step;
+        const auto left = static_cast<double>(settings.size() - i - 1);
+        const double done = end_of_part(begin, to, costs.setting() + probes, left * (costs.setting() + probes) + later);
+        const double end = end_of_part(begin, done, costs.setting(), probes);
         PreparedPair prepared = prepare(halves, *settings[i].source, *settings[i].target, settings[i].setting, options,
-                                        report, monitor, begin, begin + 0.8 * step);
-        if (settings.size() == 1) {
+                                        report, monitor, begin, end);
+        if (!probed) {
             best = std::move(prepared);
             break;
         }
         Stopwatch watch;
-        const double quality = probe_setting(prepared.pair, options, monitor, begin + 0.8 * step);
+        const double quality = probe_setting(prepared.pair, options, monitor, end, done);
+        begin = done;
         note(report, "scale", watch.lap(), 0);
         // The earlier setting is the likelier one beforehand, a winding as given much more so.
         const Setting& setting = settings[i].setting;
@@ -174,7 +196,6 @@ PreparedPair prepare_pair(const Surface& source, const Surface& target, const Ma
             best_quality = quality;
         }
     }
-    monitor.report("features", to);
     report.scale = best->setting.scale;
     report.unit_length = best->unit;
     report.source_samples = best->pair.source.samples.count();

@@ -7,9 +7,11 @@
 #include <numeric>
 #include <sstream>
 #include <tuple>
+#include <utility>
 
 #include <Eigen/Geometry>
 
+#include "base/sorting.h"
 #include "isograft/errors.h"
 #include "surface/edges.h"
 
@@ -22,6 +24,8 @@ constexpr double smallest_extent = 1e-50;
 constexpr double largest_extent = 1e50;
 // Height over longest edge below which a triangle has no usable direction.
 constexpr double flat = 1e-10;
+// Steps between two looks at the monitor.
+constexpr std::size_t often = 1 << 16;
 
 std::string counted(Eigen::Index n, const char* one, const char* many) {
     return std::to_string(n) + " " + (n == 1 ? one : many);
@@ -60,7 +64,7 @@ bool same_turn(const Corners& a, const Corners& b) {
 
 // At the same three places two triangles are one drawn twice, unless they are walls of two bodies that touch: those
 // have vertices of their own, joined to the rest of their body, and opposite winding.
-void drop_repeated(Soup& soup, const std::vector<int>& place) {
+void drop_repeated(Soup& soup, const std::vector<int>& place, Monitor& monitor) {
     const int count = static_cast<int>(soup.face.size());
     std::vector<int> uses(soup.position.size(), 0);
     for (const Corners& face : soup.face) {
@@ -83,11 +87,15 @@ void drop_repeated(Soup& soup, const std::vector<int>& place) {
         items[f] = {key, std::all_of(face.begin(), face.end(), [&](int v) { return uses[v] == 1; }), f};
     }
     // Of a loose triangle and one that hangs in the surface the latter is kept.
-    std::sort(items.begin(), items.end(), [](const Item& a, const Item& b) {
-        return std::tie(a.key, a.loose, a.face) < std::tie(b.key, b.loose, b.face);
-    });
+    items = sort_by_buckets(
+        std::move(items), static_cast<int>(place.size()), [](const Item& item) { return item.key[0]; },
+        [](const Item& a, const Item& b) {
+            return std::tie(a.key, a.loose, a.face) < std::tie(b.key, b.loose, b.face);
+        },
+        monitor);
     std::vector<char> repeated(count, 0);
     for (int i = 0, first = 0; i < count; ++i) {
+        if (i % often == 0) monitor.check();
         if (items[i].key != items[first].key) first = i;
         for (int k = first; k < i && !repeated[items[i].face]; ++k) {
             const int f = items[i].face, g = items[k].face;
@@ -111,15 +119,16 @@ void drop_repeated(Soup& soup, const std::vector<int>& place) {
 }
 
 // Two triangles, and only two, have this edge in space, but not by their indices: a seam.
-void weld_seams(const Soup& soup, const std::vector<int>& place, DisjointSets& sets) {
+void weld_seams(const Soup& soup, const std::vector<int>& place, DisjointSets& sets, Monitor& monitor) {
     std::vector<Corners> placed = soup.face;
     for (Corners& face : placed) {
         for (int& v : face) v = place[v];
     }
-    const Edges edges = collect_edges(placed);
+    const Edges edges = collect_edges(placed, monitor);
     const auto corner = [](const std::vector<Corners>& face, int h) { return face[h / 3][h % 3]; };
     const auto following = [](int h) { return h / 3 * 3 + (h % 3 + 1) % 3; };
     for (const EdgeGroup& group : edges.group) {
+        if (group.begin % often == 0) monitor.check();
         if (group.end - group.begin != 2) continue;
         const int g = edges.item[group.begin].halfedge, h = edges.item[group.begin + 1].halfedge;
         const bool along = corner(placed, g) == corner(placed, h);
@@ -143,20 +152,29 @@ void check_size(Eigen::Index vertices, Eigen::Index triangles) {
     }
 }
 
-std::vector<int> find_places(const std::vector<Eigen::Vector3d>& position) {
-    std::vector<int> order(position.size());
-    std::iota(order.begin(), order.end(), 0);
-    const auto compare = [&](int a, int b) {
-        for (int k = 0; k < 3; ++k) {
-            if (position[a][k] != position[b][k]) return position[a][k] < position[b][k];
-        }
-        return a < b;
+std::vector<int> find_places(const std::vector<Eigen::Vector3d>& position, Monitor& monitor) {
+    // The first coordinate beside the index: most comparisons look no further.
+    struct Item {
+        double x;
+        int vertex;
     };
-    std::sort(order.begin(), order.end(), compare);
+    std::vector<Item> order(position.size());
+    for (std::size_t i = 0; i < order.size(); ++i) order[i] = {position[i][0], static_cast<int>(i)};
+    const auto compare = [&](const Item& a, const Item& b) {
+        if (a.x != b.x) return a.x < b.x;
+        for (int k = 1; k < 3; ++k) {
+            const double p = position[a.vertex][k], q = position[b.vertex][k];
+            if (p != q) return p < q;
+        }
+        return a.vertex < b.vertex;
+    };
+    sort_watched(order.begin(), order.end(), compare, monitor);
     std::vector<int> place(position.size());
     for (std::size_t i = 0; i < order.size(); ++i) {
-        const bool same = i > 0 && position[order[i]] == position[order[i - 1]];
-        place[order[i]] = same ? place[order[i - 1]] : order[i];
+        if (i % often == 0) monitor.check();
+        const int v = order[i].vertex;
+        const bool same = i > 0 && position[v] == position[order[i - 1].vertex];
+        place[v] = same ? place[order[i - 1].vertex] : v;
     }
     return place;
 }
@@ -204,15 +222,18 @@ void check_arrays(const Points& vertices, const Triangles& faces) {
     }
 }
 
-Soup clean(const Points& vertices, const Triangles& faces) {
+Soup clean(const Points& vertices, const Triangles& faces, Piece progress) {
+    Monitor& monitor = progress.monitor();
     Soup soup;
     soup.position.resize(vertices.rows());
     for (Eigen::Index v = 0; v < vertices.rows(); ++v) soup.position[v] = vertices.row(v);
-    const std::vector<int> place = find_places(soup.position);
+    const std::vector<int> place = find_places(soup.position, monitor);
+    progress.reach(0.4);
     DisjointSets sets(static_cast<int>(vertices.rows()));
     std::vector<char> used(vertices.rows(), 0);
     int repeated_corner = 0, without_area = 0;
     for (int f = 0; f < static_cast<int>(faces.rows()); ++f) {
+        if (f % often == 0) monitor.check();
         const Corners face{faces(f, 0), faces(f, 1), faces(f, 2)};
         for (const int v : face) used[v] = 1;
         if (face[0] == face[1] || face[1] == face[2] || face[2] == face[0]) {
@@ -235,13 +256,16 @@ Soup clean(const Points& vertices, const Triangles& faces) {
          "triangles were left out because a corner is repeated.");
     warn(soup.warnings, without_area, "triangle was left out because it has no area.",
          "triangles were left out because they have no area.");
-    drop_repeated(soup, place);
+    progress.reach(0.5);
+    drop_repeated(soup, place, monitor);
+    progress.reach(0.7);
     if (soup.face.empty()) {
         throw InvalidInput("none of the " + counted(faces.rows(), "triangle", "triangles") +
                            " in `faces` has an area: their corners coincide or lie on a line; check that the "
                            "coordinates and the indices belong together");
     }
-    weld_seams(soup, place, sets);
+    weld_seams(soup, place, sets, monitor);
+    progress.reach(0.95);
     int welded = 0;
     for (int v = 0; v < static_cast<int>(used.size()); ++v) welded += used[v] && sets.root(v) != v;
     for (auto& face : soup.face) {
@@ -274,7 +298,8 @@ std::vector<int> working_vertices(const Surface& surface) {
     if (std::count(left_out.begin(), left_out.end(), 1) == 0) return result;
     std::vector<Eigen::Vector3d> position(count);
     for (Eigen::Index v = 0; v < count; ++v) position[v] = surface.vertices().row(v);
-    const std::vector<int> place = find_places(position);
+    Monitor silent;
+    const std::vector<int> place = find_places(position, silent);
     std::vector<int> at_place(count, -1);
     for (Eigen::Index v = 0; v < count; ++v) {
         if (at_place[place[v]] < 0) at_place[place[v]] = result[v];

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "base/piece.h"
 #include "isograft/surface.h"
 #include "surface/edges.h"
 #include "surface/mesh.h"
@@ -35,16 +36,16 @@ void check_coordinates(const Points& vertices);
 void check_arrays(const Points& vertices, const Triangles& faces);
 
 /// Per vertex the lowest vertex at exactly the same place.
-std::vector<int> find_places(const std::vector<Eigen::Vector3d>& position);
+std::vector<int> find_places(const std::vector<Eigen::Vector3d>& position, Monitor& monitor);
 
 /// Leave out what is no triangle, and weld what only its indexing keeps apart.
 ///
 /// Left out: triangles with a repeated corner, without area (height below 1e-10 of the longest edge, or below what the
 /// coordinates resolve), and those drawn twice, but not the walls of two bodies that touch. Welded: vertices at exactly
 /// the same place, where that closes an edge of exactly two triangles (soups, seams) or a triangle left out had kept
-/// them apart. Sheets that only touch in points, or at edges of more triangles, stay apart. O(#V log #V + #F log #F).
-/// \throw InvalidInput if no triangle is left.
-Soup clean(const Points& vertices, const Triangles& faces);
+/// them apart. Sheets that only touch in points, or at edges of more triangles, stay apart. O(#V log #V + #F).
+/// \throw InvalidInput if no triangle is left; Cancelled if `progress` says so.
+Soup clean(const Points& vertices, const Triangles& faces, Piece progress);
 
 /// Per input vertex its vertex of the repaired mesh, -1 if no triangle of it uses the vertex. Of several copies the
 /// one in the first triangle. Vertices that were welded share one.

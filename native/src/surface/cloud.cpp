@@ -226,8 +226,9 @@ bool has_open_part(const Base& base) {
 
 }  // namespace
 
-Cloud make_cloud(const Points& vertices, const Points& normals, Monitor& monitor) {
-    CloudInput input = check_cloud(vertices, normals);
+Cloud make_cloud(const Points& vertices, const Points& normals, Piece progress) {
+    Monitor& monitor = progress.monitor();
+    CloudInput input = check_cloud(vertices, normals, monitor);
     Cloud cloud;
     // In the unit box nothing overflows, whatever the units, and nothing is lost far from the origin.
     const Eigen::Vector3d low = vertices.colwise().minCoeff().transpose();
@@ -235,14 +236,17 @@ Cloud make_cloud(const Points& vertices, const Points& normals, Monitor& monitor
     for (Eigen::Vector3d& x : input.position) x = (x - low) / extent;
     const Base base = make_base(input, cloud.warnings, monitor);
     warn_of_sides(base, cloud.warnings);
+    progress.reach(0.3);
     const KdTree tree(base.position);
     const Rimls surface(tree, base.normal, base.spacing);
     SurfaceSites sites = make_sites(base, surface, monitor);
+    progress.reach(0.5);
     std::vector<SeenTriangle> seen;
     for (int round = 0; round < 3; ++round) {
         seen = local_delaunay(sites, KdTree(sites.position), surroundings, hole, monitor);
         if (round == 2 || fill_gaps(sites, surface, seen, monitor) == 0) break;
     }
+    progress.reach(0.7);
     int debris = 0;
     const std::vector<Corners> faces =
         without_debris(triangulate(sites, std::move(seen), hole, monitor), sites, debris);
@@ -255,7 +259,9 @@ Cloud make_cloud(const Points& vertices, const Points& normals, Monitor& monitor
     std::iota(own.begin(), own.end(), 0);
     cloud.mesh = build_mesh(sites.position, faces, own, std::vector<char>(faces.size(), 0));
     for (Eigen::Vector3d& x : cloud.mesh.position) x /= extent;
+    progress.reach(0.8);
     place_points(input, base, surface, cloud, monitor);
+    progress.reach(1.0);
     for (Eigen::Vector3d& x : cloud.mesh.position) x = x * extent + low;
     cloud.ambiguous = has_open_part(base);
     const auto off = std::count(cloud.vertex.begin(), cloud.vertex.end(), -1);

@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include "isograft/monitor.h"
+#include "base/piece.h"
 #include "isograft/surface.h"
 #include "surface/mesh.h"
 
@@ -32,6 +32,6 @@ struct Cloud {
 /// implicit surface; evenly spread ones are joined by their local Delaunay triangles. Holes larger than twice the
 /// points' distance stay holes. O(n log n).
 /// \param normals as for check_cloud(). \throw as check_cloud(); InvalidInput if the points show no surface; Cancelled.
-Cloud make_cloud(const Points& vertices, const Points& normals, Monitor& monitor);
+Cloud make_cloud(const Points& vertices, const Points& normals, Piece progress);
 
 }  // namespace isograft

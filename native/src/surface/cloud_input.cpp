@@ -41,7 +41,7 @@ void check_normals(const Points& vertices, const Points& normals) {
 
 }  // namespace
 
-CloudInput check_cloud(const Points& vertices, const Points& normals) {
+CloudInput check_cloud(const Points& vertices, const Points& normals, Monitor& monitor) {
     if (vertices.rows() < fewest_points) {
         throw InvalidInput("a point cloud of " + rows_of(vertices.rows()) + " is too small: at least " +
                            std::to_string(fewest_points) + " points make a surface; pass more points, or triangles");
@@ -51,7 +51,7 @@ CloudInput check_cloud(const Points& vertices, const Points& normals) {
     check_normals(vertices, normals);
     std::vector<Eigen::Vector3d> all(vertices.rows());
     for (Eigen::Index v = 0; v < vertices.rows(); ++v) all[v] = vertices.row(v);
-    const std::vector<int> place = find_places(all);
+    const std::vector<int> place = find_places(all, monitor);
     CloudInput cloud;
     int repeated = 0, first = -1;
     for (int v = 0; v < static_cast<int>(all.size()); ++v) {

@@ -23,6 +23,6 @@ constexpr int fewest_points = 50;
 /// \throw InvalidInput if there are fewer than 50 points, points repeat others, a coordinate is not finite, the extent
 /// is beyond what can be computed with or has no area (all on a line), or if the normals are not one per point, not
 /// finite, or without length. \throw ResourceLimit above 2^30 points.
-CloudInput check_cloud(const Points& vertices, const Points& normals);
+CloudInput check_cloud(const Points& vertices, const Points& normals, Monitor& monitor);
 
 }  // namespace isograft

@@ -5,8 +5,12 @@
 #include <array>
 #include <compare>
 #include <cstdint>
+#include <functional>
 #include <string>
+#include <utility>
 #include <vector>
+
+#include "base/sorting.h"
 
 namespace isograft {
 
@@ -29,15 +33,20 @@ struct Edges {
     std::vector<EdgeGroup> group;
 };
 
-inline Edges collect_edges(const std::vector<Corners>& face) {
-    Edges edges;
-    const int halfedges = 3 * static_cast<int>(face.size());
-    edges.item.resize(halfedges);
+/// \param monitor asked now and then. O(#F) where no vertex has very many triangles.
+inline Edges collect_edges(const std::vector<Corners>& face, Monitor& monitor) {
+    std::vector<EdgeItem> loose(3 * face.size());
+    const int halfedges = static_cast<int>(loose.size());
+    int vertices = 0;
     for (int h = 0; h < halfedges; ++h) {
         const int a = face[h / 3][h % 3], b = face[h / 3][(h % 3 + 1) % 3];
-        edges.item[h] = {std::min(a, b), std::max(a, b), h};
+        loose[h] = {std::min(a, b), std::max(a, b), h};
+        vertices = std::max(vertices, std::max(a, b) + 1);
     }
-    std::sort(edges.item.begin(), edges.item.end());
+    Edges edges;
+    edges.item = sort_by_buckets(
+        std::move(loose), vertices, [](const EdgeItem& e) { return e.low; }, std::less<EdgeItem>(), monitor);
+    edges.group.reserve(edges.item.size() / 2);
     for (int i = 0; i < halfedges;) {
         const EdgeItem& first = edges.item[i];
         int end = i + 1;
@@ -45,6 +54,7 @@ inline Edges collect_edges(const std::vector<Corners>& face) {
         edges.group.push_back({i, end});
         i = end;
     }
+    monitor.check();
     return edges;
 }
 

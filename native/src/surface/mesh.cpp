@@ -2,44 +2,32 @@
 #include "surface/mesh.h"
 
 #include <algorithm>
-#include <cstdint>
+#include <functional>
 #include <numeric>
+#include <utility>
 
 #include <Eigen/Geometry>
+
+#include "base/sorting.h"
+#include "surface/edges.h"
 
 namespace isograft {
 
 namespace {
 
-struct DirectedEdge {
-    std::uint64_t key;
-    int halfedge;
-};
+// Steps between two looks at the monitor.
+constexpr int often = 1 << 16;
 
-std::uint64_t edge_key(int a, int b) {
-    return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(a)) << 32) | static_cast<std::uint32_t>(b);
-}
-
-// Sorting instead of hashing keeps the order, and with it the bits of the result, the same everywhere.
-void connect(TriangleMesh& mesh) {
-    const int halfedges = 3 * mesh.face_count();
-    std::vector<DirectedEdge> edges(halfedges);
-    for (int h = 0; h < halfedges; ++h) {
-        edges[h] = {edge_key(std::min(mesh.from(h), mesh.to(h)), std::max(mesh.from(h), mesh.to(h))), h};
-    }
-    std::sort(edges.begin(), edges.end(), [](const DirectedEdge& a, const DirectedEdge& b) {
-        return a.key != b.key ? a.key < b.key : a.halfedge < b.halfedge;
-    });
-    mesh.twin.assign(halfedges, -1);
-    for (int i = 0; i < halfedges;) {
-        int end = i + 1;
-        while (end < halfedges && edges[end].key == edges[i].key) ++end;
+void connect(TriangleMesh& mesh, Monitor& monitor) {
+    const Edges edges = collect_edges(mesh.face, monitor);
+    mesh.twin.assign(3 * mesh.face.size(), -1);
+    for (const EdgeGroup& group : edges.group) {
+        if (group.end - group.begin != 2) continue;
+        const int g = edges.item[group.begin].halfedge, h = edges.item[group.begin + 1].halfedge;
         // Only an edge of exactly two triangles that run along it in opposite ways can be walked across.
-        if (end - i == 2 && mesh.from(edges[i].halfedge) == mesh.to(edges[i + 1].halfedge)) {
-            mesh.twin[edges[i].halfedge] = edges[i + 1].halfedge;
-            mesh.twin[edges[i + 1].halfedge] = edges[i].halfedge;
-        }
-        i = end;
+        if (mesh.from(g) != mesh.to(h)) continue;
+        mesh.twin[g] = h;
+        mesh.twin[h] = g;
     }
 }
 
@@ -52,12 +40,13 @@ int find_root(std::vector<int>& parent, int i) {
 }
 
 // Corners that are joined across an edge are one vertex; every further fan of a vertex gets a copy of it.
-void split_fans(TriangleMesh& mesh, const std::vector<Eigen::Vector3d>& position) {
+void split_fans(TriangleMesh& mesh, const std::vector<Eigen::Vector3d>& position, Monitor& monitor) {
     const int corners = 3 * mesh.face_count();
     std::vector<int> parent(corners);
     std::iota(parent.begin(), parent.end(), 0);
     for (int h = 0; h < corners; ++h) {
         const int g = mesh.twin[h];
+        if (h % often == 0) monitor.check();
         if (g < h) continue;
         const auto join = [&](int a, int b) {
             a = find_root(parent, a);
@@ -75,8 +64,9 @@ void split_fans(TriangleMesh& mesh, const std::vector<Eigen::Vector3d>& position
     for (int c = 0; c < corners; ++c) {
         if (find_root(parent, c) == c) roots.push_back(c);
     }
-    std::sort(roots.begin(), roots.end(),
-              [&](int a, int b) { return old_vertex[a] != old_vertex[b] ? old_vertex[a] < old_vertex[b] : a < b; });
+    roots = sort_by_buckets(
+        std::move(roots), static_cast<int>(position.size()), [&](int c) { return old_vertex[c]; }, std::less<int>(),
+        monitor);
     std::vector<int> index(corners, -1);
     for (std::size_t i = 0; i < roots.size(); ++i) {
         index[roots[i]] = static_cast<int>(i);
@@ -99,7 +89,7 @@ void collect_fans(TriangleMesh& mesh) {
     }
 }
 
-void measure(TriangleMesh& mesh) {
+void measure(TriangleMesh& mesh, Monitor& monitor) {
     const int faces = mesh.face_count();
     mesh.length.resize(3 * faces);
     mesh.direction.resize(3 * faces);
@@ -114,6 +104,7 @@ void measure(TriangleMesh& mesh) {
     mesh.area = 0.0;
     double edges = 0.0;
     for (int f = 0; f < faces; ++f) {
+        if (f % often == 0) monitor.check();
         const auto& [a, b, c] = mesh.face[f];
         const Eigen::Vector3d ab = mesh.position[b] - mesh.position[a];
         const Eigen::Vector3d ac = mesh.position[c] - mesh.position[a];
@@ -183,17 +174,29 @@ void label_components(TriangleMesh& mesh) {
 }  // namespace
 
 TriangleMesh build_mesh(const std::vector<Eigen::Vector3d>& position, const std::vector<std::array<int, 3>>& face,
-                        const std::vector<int>& input_face, const std::vector<char>& input_reversed) {
+                        const std::vector<int>& input_face, const std::vector<char>& input_reversed, Piece progress) {
+    Monitor& monitor = progress.monitor();
     TriangleMesh mesh;
     mesh.face = face;
     mesh.input_face = input_face;
     mesh.input_reversed = input_reversed;
-    connect(mesh);
-    split_fans(mesh, position);
+    connect(mesh, monitor);
+    progress.reach(0.4);
+    split_fans(mesh, position, monitor);
+    progress.reach(0.6);
     collect_fans(mesh);
-    measure(mesh);
+    progress.reach(0.7);
+    measure(mesh, monitor);
+    progress.reach(0.9);
     label_components(mesh);
+    progress.reach(1.0);
     return mesh;
+}
+
+TriangleMesh build_mesh(const std::vector<Eigen::Vector3d>& position, const std::vector<std::array<int, 3>>& face,
+                        const std::vector<int>& input_face, const std::vector<char>& input_reversed) {
+    Monitor silent;
+    return build_mesh(position, face, input_face, input_reversed, Piece(silent, 0.0));
 }
 
 TriangleMesh scaled(const TriangleMesh& mesh, double factor) {

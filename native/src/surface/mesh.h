@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "base/piece.h"
 #include "isograft/surface.h"
 
 namespace isograft {
@@ -60,7 +61,12 @@ struct TriangleMesh {
 /// Connect, split and measure a triangle soup whose triangles have an area and a common winding.
 ///
 /// \param position #V. \param face indices into it. \param input_face, input_reversed per triangle, passed on.
-/// Vertices no triangle uses are dropped; `input_vertex` refers to `position`. O(#F log #F).
+/// Vertices no triangle uses are dropped; `input_vertex` refers to `position`. O(#F).
+/// \throw Cancelled if `progress` says so.
+TriangleMesh build_mesh(const std::vector<Eigen::Vector3d>& position, const std::vector<std::array<int, 3>>& face,
+                        const std::vector<int>& input_face, const std::vector<char>& input_reversed, Piece progress);
+
+/// The same, of small meshes.
 TriangleMesh build_mesh(const std::vector<Eigen::Vector3d>& position, const std::vector<std::array<int, 3>>& face,
                         const std::vector<int>& input_face, const std::vector<char>& input_reversed);
 

@@ -11,6 +11,9 @@ namespace isograft {
 
 namespace {
 
+// Steps between two looks at the monitor.
+constexpr std::size_t often = 1 << 16;
+
 double twice_area(const Soup& soup, int f) {
     const auto& [a, b, c] = soup.face[f];
     return (soup.position[b] - soup.position[a]).cross(soup.position[c] - soup.position[a]).norm();
@@ -20,12 +23,13 @@ double twice_area(const Soup& soup, int f) {
 
 std::vector<ComponentSide> component_sides(const std::vector<Eigen::Vector3d>& position,
                                            const std::vector<Corners>& face, const std::vector<int>& component,
-                                           int count) {
+                                           int count, Monitor& monitor) {
     std::vector<ComponentSide> sides(count);
     std::vector<int> origin(count, -1);
     std::vector<Eigen::Vector3d> centroid(count, Eigen::Vector3d::Zero());
     std::vector<Eigen::Vector3d> vector_area(count, Eigen::Vector3d::Zero());
     for (std::size_t f = 0; f < face.size(); ++f) {
+        if (f % often == 0) monitor.check();
         ComponentSide& side = sides[component[f]];
         int& o = origin[component[f]];
         if (o < 0) o = face[f][0];
@@ -42,9 +46,10 @@ std::vector<ComponentSide> component_sides(const std::vector<Eigen::Vector3d>& p
     for (int i = 0; i < count; ++i) {
         sides[i].bulge = sides[i].volume - centroid[i].dot(vector_area[i]) / (3.0 * std::max(sides[i].area, 1e-300));
     }
-    const Edges edges = collect_edges(face);
+    const Edges edges = collect_edges(face, monitor);
     std::vector<std::pair<int, int>> runs;
     for (const EdgeGroup& group : edges.group) {
+        if (group.begin % often == 0) monitor.check();
         runs.clear();
         for (int i = group.begin; i < group.end; ++i) {
             const int h = edges.item[i].halfedge;
@@ -65,9 +70,10 @@ std::vector<ComponentSide> component_sides(const std::vector<Eigen::Vector3d>& p
     return sides;
 }
 
-void orient(Soup& soup) {
+void orient(Soup& soup, Piece progress) {
+    Monitor& monitor = progress.monitor();
     const int count = static_cast<int>(soup.face.size());
-    const Edges edges = collect_edges(soup.face);
+    const Edges edges = collect_edges(soup.face, monitor);
     const auto from = [&](int h) { return soup.face[h / 3][h % 3]; };
     std::vector<int> mate(3 * count, -1);
     int crowded = 0;
@@ -78,6 +84,7 @@ void orient(Soup& soup) {
         mate[g] = h;
         mate[h] = g;
     }
+    progress.reach(0.35);
     std::vector<int> component(count, -1), queue;
     std::vector<char> turned(count, 0);
     std::vector<std::array<double, 2>> area;
@@ -89,6 +96,7 @@ void orient(Soup& soup) {
         queue.assign(1, seed);
         // First in, first out: a one-sided band is then cut far from the seed, not beside it.
         for (std::size_t i = 0; i < queue.size(); ++i) {
+            if (i % often == 0) monitor.check();
             const int f = queue[i];
             area[label][turned[f]] += twice_area(soup, f);
             for (int h = 3 * f; h < 3 * f + 3; ++h) {
@@ -100,6 +108,7 @@ void orient(Soup& soup) {
             }
         }
     }
+    progress.reach(0.6);
     int one_sided = 0;
     for (int h = 0; h < 3 * count; ++h) {
         if (mate[h] > h) one_sided += (from(h) == from(mate[h])) != (turned[h / 3] != turned[mate[h] / 3]);
@@ -116,7 +125,8 @@ void orient(Soup& soup) {
         ++minority;
     }
     const int components = static_cast<int>(area.size());
-    const std::vector<ComponentSide> sides = component_sides(soup.position, soup.face, component, components);
+    const std::vector<ComponentSide> sides = component_sides(soup.position, soup.face, component, components, monitor);
+    progress.reach(1.0);
     int inside_out = 0;
     for (const ComponentSide& side : sides) inside_out += side.closed && side.volume < 0.0;
     for (int f = 0; f < count; ++f) {

@@ -24,12 +24,13 @@ struct ComponentSide {
 
 /// Make the winding consistent within every component, turn closed components outward and let open ones keep the
 /// winding of the larger part of their area. One-sided components are left inconsistent at the edges to be cut.
-void orient(Soup& soup);
+/// \throw Cancelled if `progress` says so.
+void orient(Soup& soup, Piece progress);
 
 /// Area, volume and closedness of every component.
 /// \param component #F: in [0, count).
 std::vector<ComponentSide> component_sides(const std::vector<Eigen::Vector3d>& position,
                                            const std::vector<Corners>& face, const std::vector<int>& component,
-                                           int count);
+                                           int count, Monitor& monitor);
 
 }  // namespace isograft

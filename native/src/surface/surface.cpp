@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/piece.h"
 #include "isograft/monitor.h"
 #include "surface/clean.h"
 #include "surface/cloud.h"
@@ -42,18 +43,22 @@ int split_vertices(const TriangleMesh& mesh) {
 
 }  // namespace
 
-Surface Surface::from_mesh(Points vertices, Triangles faces) {
+Surface Surface::from_mesh(Points vertices, Triangles faces, Monitor* monitor, double share) {
+    Monitor silent;
+    Monitor& watcher = monitor != nullptr ? *monitor : silent;
+    Piece progress(watcher, share);
+    progress.check();
     check_arrays(vertices, faces);
     Surface surface;
-    Soup soup = clean(vertices, faces);
-    orient(soup);
-    auto mesh =
-        std::make_shared<TriangleMesh>(build_mesh(soup.position, soup.face, soup.input_face, soup.input_reversed));
+    Soup soup = clean(vertices, faces, progress.until(0.35));
+    orient(soup, progress.until(0.55));
+    auto mesh = std::make_shared<TriangleMesh>(
+        build_mesh(soup.position, soup.face, soup.input_face, soup.input_reversed, progress.until(0.9)));
     surface.warnings_ = std::move(soup.warnings);
     warn(surface.warnings_, split_vertices(*mesh), "vertex was split where the surface touches itself.",
          "vertices were split where the surface touches itself.");
     for (const ComponentSide& side :
-         component_sides(soup.position, input_corners(*mesh), mesh->component, mesh->component_count)) {
+         component_sides(soup.position, input_corners(*mesh), mesh->component, mesh->component_count, watcher)) {
         const bool clear = side.closed || side.bulge > clear_bulge * std::pow(side.area, 1.5);
         surface.ambiguous_ = surface.ambiguous_ || (!clear && side.area > ambiguous_share * mesh->area);
         surface.closed_ = surface.closed_ && (side.closed || side.area < ambiguous_share * mesh->area);
@@ -61,12 +66,13 @@ Surface Surface::from_mesh(Points vertices, Triangles faces) {
     surface.vertices_ = std::move(vertices);
     surface.faces_ = std::move(faces);
     surface.mesh_ = std::move(mesh);
+    progress.reach(1.0);
     return surface;
 }
 
-Surface Surface::from_points(Points vertices, const Points& normals, Monitor* monitor) {
+Surface Surface::from_points(Points vertices, const Points& normals, Monitor* monitor, double share) {
     Monitor silent;
-    Cloud cloud = make_cloud(vertices, normals, monitor != nullptr ? *monitor : silent);
+    Cloud cloud = make_cloud(vertices, normals, Piece(monitor != nullptr ? *monitor : silent, share));
     Surface surface;
     surface.is_cloud_ = true;
     surface.ambiguous_ = cloud.ambiguous;
@@ -79,7 +85,9 @@ Surface Surface::from_points(Points vertices, const Points& normals, Monitor* mo
     return surface;
 }
 
-Surface Surface::with_open_parts_reversed() const {
+Surface Surface::with_open_parts_reversed(Monitor* monitor) const {
+    Monitor silent;
+    Monitor& watcher = monitor != nullptr ? *monitor : silent;
     if (is_cloud_) return reversed_cloud();
     std::vector<Eigen::Vector3d> position(vertices_.rows());
     for (Eigen::Index v = 0; v < vertices_.rows(); ++v) position[v] = vertices_.row(v);
@@ -87,14 +95,16 @@ Surface Surface::with_open_parts_reversed() const {
     for (int v = 0; v < mesh_->vertex_count(); ++v) position[mesh_->input_vertex[v]] = mesh_->position[v];
     std::vector<Corners> face = input_corners(*mesh_);
     std::vector<char> reversed = mesh_->input_reversed;
-    const std::vector<ComponentSide> sides = component_sides(position, face, mesh_->component, mesh_->component_count);
+    const std::vector<ComponentSide> sides =
+        component_sides(position, face, mesh_->component, mesh_->component_count, watcher);
     for (int f = 0; f < mesh_->face_count(); ++f) {
         if (sides[mesh_->component[f]].closed) continue;
         std::swap(face[f][1], face[f][2]);
         reversed[f] = !reversed[f];
     }
     Surface surface = *this;
-    surface.mesh_ = std::make_shared<TriangleMesh>(build_mesh(position, face, mesh_->input_face, reversed));
+    surface.mesh_ =
+        std::make_shared<TriangleMesh>(build_mesh(position, face, mesh_->input_face, reversed, Piece(watcher, 0.0)));
     return surface;
 }
 

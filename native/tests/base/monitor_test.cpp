@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "isograft/monitor.h"
 
+#include <chrono>
 #include <limits>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -66,6 +68,52 @@ TEST(Monitor, ReportsFractionsInTheUnitIntervalThatNeverFall) {
 TEST(Monitor, PassesOnWhatTheCallbackThrows) {
     Monitor monitor([](const std::string&, double) -> bool { throw std::runtime_error("from the caller"); });
     EXPECT_THROW(monitor.report("stage", 0.1), std::runtime_error);
+}
+
+TEST(Monitor, TellsTheReportingThreadWhatOthersAdd) {
+    std::vector<double> seen;
+    const auto reporter = std::this_thread::get_id();
+    bool elsewhere = false;
+    Monitor monitor([&](const std::string&, double fraction) {
+        elsewhere = elsewhere || std::this_thread::get_id() != reporter;
+        seen.push_back(fraction);
+        return true;
+    });
+    monitor.report("stage", 0.25);
+    std::thread other([&] {
+        for (int i = 0; i < 100; ++i) monitor.add(0.0025);
+    });
+    other.join();
+    EXPECT_EQ(seen.size(), 1U);
+    EXPECT_NEAR(monitor.fraction(), 0.5, 1e-12);
+    std::this_thread::sleep_for(std::chrono::milliseconds(110));
+    monitor.check();
+    ASSERT_EQ(seen.size(), 2U);
+    EXPECT_NEAR(seen.back(), 0.5, 1e-12);
+    monitor.check();
+    EXPECT_EQ(seen.size(), 2U);
+    EXPECT_FALSE(elsewhere);
+}
+
+TEST(Monitor, NeverTellsMoreThanTheWhole) {
+    double last = 0.0;
+    Monitor monitor([&](const std::string&, double fraction) {
+        last = fraction;
+        return true;
+    });
+    monitor.report("stage", 0.9);
+    monitor.add(0.3);
+    monitor.report("stage", 0.95);
+    EXPECT_EQ(last, 1.0);
+}
+
+TEST(Monitor, IsCancelledFromACheckWhoseCallbackReturnsFalse) {
+    int calls = 0;
+    Monitor monitor([&](const std::string&, double) { return ++calls < 2; });
+    monitor.report("stage", 0.1);
+    std::this_thread::sleep_for(std::chrono::milliseconds(110));
+    EXPECT_THROW(monitor.check(), Cancelled);
+    EXPECT_TRUE(monitor.cancelled());
 }
 
 }  // namespace

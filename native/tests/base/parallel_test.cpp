@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "base/parallel.h"
 
+#include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -115,6 +117,29 @@ TEST(ParallelFor, ReportsOnTheCallingThreadOnlyAndEndsAtItsShare) {
     EXPECT_TRUE(std::is_sorted(seen.begin(), seen.end()));
     EXPECT_GE(seen.front(), 0.25);
     EXPECT_DOUBLE_EQ(seen.back(), 0.75);
+}
+
+TEST(ParallelFor, TellsTheProgressOfOthersWhileTheCallerHasNothingLeftToDo) {
+    std::vector<double> seen;
+    Monitor monitor([&](const std::string&, double fraction) {
+        seen.push_back(fraction);
+        return true;
+    });
+    std::atomic<bool> taken{false};
+    const auto task = [&](int, int worker) {
+        if (worker == 0) {
+            while (!taken) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+            return;
+        }
+        taken = true;
+        for (int k = 0; k < 4; ++k) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(110));
+            monitor.add(0.1);
+        }
+    };
+    parallel_for(2, 2, task, monitor, "stage", 0.0, 0.0);
+    EXPECT_GE(seen.size(), 4U);
+    EXPECT_TRUE(std::is_sorted(seen.begin(), seen.end()));
 }
 
 }  // namespace

@@ -107,7 +107,7 @@ TEST(CoarseCurvatures, AgreeWithThoseOfTheFineMeshWhetherHeatFlowsThereOrNot) {
     for (const double edge : {0.05, 0.12}) {  // half the vertices, and a tenth of them
         const CoarseMesh coarse = coarsen(fine, edge, monitor);
         ASSERT_FALSE(coarse.fine_vertex.empty());
-        const auto fields = coarse_curvatures(fine, coarse, {0.5 * time, time});
+        const auto fields = coarse_curvatures(fine, coarse, {0.5 * time, time}, monitor);
         ASSERT_EQ(fields.size(), 2U);
         double difference = 0.0, size = 0.0;
         for (int v = 0; v < coarse.mesh.vertex_count(); ++v) {

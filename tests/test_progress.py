@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Progress is honest: it rises, it comes often, and every stage's part of it is about its part of the work.
+
+Measured by the processor time of one thread, so that what else runs on the machine does not count.
+"""
+
+from __future__ import annotations
+
+import csv
+import os
+import time
+from collections import defaultdict
+from pathlib import Path
+from typing import Any
+
+import isograft
+import numpy as np
+import pytest
+import surfaces
+
+from benchmarks.cases import read_case
+from benchmarks.scaling_child import sized
+
+DATA = Path(os.environ.get("ISOGRAFT_DATA") or Path(__file__).resolve().parents[2] / "shared" / "data")
+Row = tuple[float, str, float]
+
+
+def progress_of(source: Any, target: Any, **options: Any) -> list[Row]:
+    """Seconds of processor time, stage and fraction at every call."""
+    rows: list[Row] = []
+    start = time.process_time()
+    isograft.match(
+        source, target, threads=1,
+        progress=lambda *told: rows.append((time.process_time() - start, *told)), **options,
+    )  # fmt: skip
+    return rows
+
+
+def check_rising_and_frequent(rows: list[Row]) -> None:
+    fractions = [fraction for _, _, fraction in rows]
+    assert fractions == sorted(fractions)
+    assert fractions[-1] == 1.0
+    assert max(np.diff([0.0, *[now for now, _, _ in rows]])) < 0.5  # two updates a second
+    moved = [now for (now, _, fraction), before in zip(rows, [-1.0, *fractions], strict=False) if fraction > before]
+    assert max(np.diff([0.0, *moved])) < 1.0  # and they say something new
+
+
+def test_progress_rises_and_comes_often() -> None:
+    blob = surfaces.blob(4)
+    check_rising_and_frequent(progress_of(blob, blob, preset="fast"))
+
+
+@pytest.mark.skipif(not (DATA / "pairs.csv").is_file(), reason=f"no data in {DATA}")
+@pytest.mark.parametrize(("pair", "vertices"), [
+    ("faustrem_000_004", 0), ("shrec16_cuts_cat_shape_4", 0), ("faustrem_000_004", 50_000),
+])  # fmt: skip
+def test_every_stage_is_told_as_about_the_part_of_the_work_that_it_is(pair: str, vertices: int) -> None:
+    with (DATA / "pairs.csv").open(newline="", encoding="utf-8") as file:
+        case = read_case(DATA, next(row for row in csv.DictReader(file) if row["id"] == pair))
+    if vertices:
+        case = sized(case, vertices)
+    rows = progress_of(case.source, case.target)
+    check_rising_and_frequent(rows)
+    spent: dict[str, float] = defaultdict(float)
+    told: dict[str, float] = defaultdict(float)
+    before: Row = (0.0, "", 0.0)
+    for row in rows:
+        spent[row[1]] += (row[0] - before[0]) / rows[-1][0]
+        told[row[1]] += row[2] - before[2]
+        before = row
+    # What a stage of a few per cent costs cannot be foreseen within a factor, nor would anybody see it.
+    few = 0.02
+    for stage, share in spent.items():
+        assert told[stage] <= 2.0 * share + few, (stage, told, spent)
+        assert share <= 2.0 * told[stage] + few, (stage, told, spent)
