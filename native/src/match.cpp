@@ -20,6 +20,7 @@
 #include "isograft/errors.h"
 #include "isograft/memory.h"
 #include "paper.h"
+#include "scale/resample.h"
 #include "scale/rescale.h"
 #include "scale/setting.h"
 #include "seed/oriented_match.h"
@@ -151,6 +152,7 @@ MatchOptions preset_options(const std::string& name) {
         options.blend.patches = 70;
         options.blend.cores = 2;
         options.blend.rounds = 2;
+        options.blend.attempts = 1;
         return options;
     }
     if (name == "thorough") {
@@ -161,6 +163,7 @@ MatchOptions preset_options(const std::string& name) {
         options.blend.patch_size = 300;
         options.blend.cores = 4;
         options.blend.rounds = 6;
+        options.blend.attempts = 4;
         return options;
     }
     if (name == "noisy") {
@@ -213,14 +216,17 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
     const Costs costs(options);
     const auto points = source.vertices().rows();
     const double finish = costs.refinement() + costs.dense(points);
-    const double carry = costs.answers(1) + finish;
-    const double search = costs.search(points);
+    // Nobody knows yet whether there will be another search: a share for it that is not far off either way.
+    const double another = 0.3 * costs.setting() + costs.growth() + costs.cores(options.blend.cores) + costs.answers(1);
+    const double perhaps = options.blend.attempts > 1 ? 0.4 * another : 0.0;
+    const double carry = costs.answers(1) + perhaps + finish;
+    const double search = costs.search(points) + perhaps;
     const double denoise = options.surface.denoise;
     PreparedPair prepared = denoise > 0.0
                                 ? prepare_pair(source.denoised(denoise, watcher), target.denoised(denoise, watcher),
                                                options, report, watcher, 0.0, 1.0, search)
                                 : prepare_pair(source, target, options, report, watcher, 0.0, 1.0, search);
-    const Pair& pair = prepared.pair;
+    Pair& pair = prepared.pair;
     watch.lap();
 
     const PatchSettings settings{options.feature, options.seed, options.growth, options.blend, options.threads};
@@ -244,10 +250,34 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
     at = watcher.fraction();
     const int cores = static_cast<int>(grown.cores.size());
     const double completed = end_of_part(at, 1.0, costs.cores(cores), carry);
-    until = end_of_part(completed, 1.0, costs.answers(1), finish);
+    until = end_of_part(completed, 1.0, costs.answers(1), perhaps + finish);
     std::vector<Blended> answers = blend(pair, settings, grown.patches, grown.cores, watcher, at, completed, until);
     report.maps_in_core = answers.front().maps_in_core;
     lap("blend", map_bytes * static_cast<std::int64_t>(answers.size()));
+    for (int attempt = 1; attempt < options.blend.attempts && answers.front().fit < options.blend.content; ++attempt) {
+        at = watcher.fraction();
+        const double end = end_of_part(at, 1.0, another, finish);
+        const double sampled = end_of_part(at, end, 0.3 * costs.setting(), another - 0.3 * costs.setting());
+        const double blending = costs.cores(options.blend.cores) + costs.answers(1);
+        until = end_of_part(sampled, end, costs.growth(), blending);
+        Pair other = pair;
+        resample(other, options, options.random_seed + 16 * static_cast<std::uint64_t>(attempt), watcher, at, sampled);
+        lap("samples", other.source.samples.bytes() + other.target.samples.bytes());
+        const Grown again = grow(other, settings, options, watcher, sampled, until);
+        report.seeds_tried += again.seeds;
+        report.maps_grown += static_cast<int>(again.patches.size());
+        lap("growth", map_bytes * static_cast<std::int64_t>(again.patches.size()));
+        std::vector<Blended> found =
+            blend(other, settings, again.patches, again.cores, watcher, until,
+                  end_of_part(until, end, costs.cores(options.blend.cores), costs.answers(1)), end);
+        lap("blend", map_bytes * static_cast<std::int64_t>(found.size()));
+        if (found.front().fit <= answers.front().fit) continue;
+        pair = std::move(other);
+        answers = std::move(found);
+        report.maps_in_core = answers.front().maps_in_core;
+        report.source_samples = pair.source.samples.count();
+        report.target_samples = pair.target.samples.count();
+    }
     warn_of_answers(answers, report);
 
     for (std::size_t i = 0; i < answers.size(); ++i) {

@@ -47,7 +47,7 @@ void complete(Contender& contender, const Core& core, const Pair& pair, const Pa
     progress.reach(0.95);
     completion.place_anchors();
     contender.quality = measure_quality(pair, settings.feature, completion.map(), completion.doubts());
-    contender.score = choice_score(contender.quality);
+    contender.score = choice_score(contender.quality, core.vote);
     contender.free = completion.map();
     progress.reach(1.0);
 }
@@ -121,11 +121,12 @@ std::vector<Blended> blend(const Pair& pair, const PatchSettings& settings, cons
                            const std::vector<Core>& cores, Monitor& monitor, double from, double middle, double to) {
     std::vector<Contender> contenders(cores.size());
     Trials trials(pair, settings, 2 * settings.seed.probe_size);
+    const DriftFinder drift(pair, settings.feature);
     monitor.report("blend", from);
     parallel_for(
         static_cast<int>(cores.size()), settings.threads,
         [&](int i, int /*worker*/) {
-            contenders[i].completion = std::make_unique<Completion>(pair, settings, patches, trials, monitor);
+            contenders[i].completion = std::make_unique<Completion>(pair, settings, patches, trials, drift, monitor);
             complete(contenders[i], cores[i], pair, settings,
                      Piece(monitor, (middle - from) / static_cast<double>(cores.size())));
         },
@@ -143,7 +144,11 @@ std::vector<Blended> blend(const Pair& pair, const PatchSettings& settings, cons
             extend_carefully(completion, settings.blend,
                              Piece(monitor, (to - middle) / static_cast<double>(ranked.size())));
             completion.place_anchors();
-            result[i] = {completion.map(), completion.doubts(), chosen.quality, chosen.score, cores[ranked[i]].count};
+            const std::vector<double> risk = completion.doubts();
+            const MapQuality quality = measure_quality(pair, settings.feature, completion.map(), risk);
+            result[i] = {completion.map(),       risk,
+                         chosen.quality,         chosen.score,
+                         cores[ranked[i]].count, choice_score(quality, cores[ranked[i]].vote)};
         },
         monitor, "blend", middle, middle);
     monitor.report("blend", to);

@@ -19,6 +19,8 @@ struct Blended {
     /// By which it was chosen, see choice_score().
     double score = 0.0;
     int maps_in_core = 0;
+    /// choice_score() of the map as it is: comparable between searches of one pair.
+    double fit = 0.0;
 };
 
 /// Complete the strongest cores, choose one, and carry it carefully into the rest (paper section 4.4).

@@ -85,7 +85,6 @@ MapQuality measure_quality(const Pair& pair, const FeatureOptions& options, cons
             ++rigid;
         }
     }
-    quality.coverage = std::min(1.0, area / pair.source.mesh.area);
     quality.expected /= std::max(area, pair.source.mesh.area);
     quality.mismatch /= std::max(1e-300, area);
     quality.curvature = moments.correlation();
@@ -93,8 +92,10 @@ MapQuality measure_quality(const Pair& pair, const FeatureOptions& options, cons
     return quality;
 }
 
-double choice_score(const MapQuality& quality) {
-    return quality.expected * std::sqrt(std::max(0.05, 1.0 - 3.0 * quality.rigidity));
+double choice_score(const MapQuality& quality, double vote) {
+    const double bent = std::sqrt(std::max(0.05, 1.0 - 3.0 * quality.rigidity));
+    const double alike = std::sqrt(std::max(0.01, quality.curvature));
+    return quality.expected * bent * alike * std::pow(std::max(0.001, vote), 0.1);
 }
 
 }  // namespace isograft

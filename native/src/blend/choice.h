@@ -9,8 +9,6 @@ namespace isograft {
 
 /// What tells a right map from a consistent wrong one.
 struct MapQuality {
-    /// Share of S's area that is mapped.
-    double coverage = 0.0;
     /// Mean mismatch by area: below 0.3 nearly always right, above 0.33 mostly wrong.
     double mismatch = 0.0;
     /// Correlation of curvature at the samples and at their images.
@@ -25,8 +23,13 @@ struct MapQuality {
 MapQuality measure_quality(const Pair& pair, const FeatureOptions& options, const PartialMap& map,
                            const std::vector<double>& doubts);
 
-/// The score by which one of several contradicting cores is chosen; higher is better. What is expected to be right, and
-/// how nearly rigid it is: a body bends at joints, a wrong map everywhere.
-double choice_score(const MapQuality& quality);
+/// The score by which one of several contradicting maps is chosen; higher is better. Mostly what is expected to be
+/// right; less where it is not nearly rigid (a body bends at joints, a wrong map everywhere), where curvature does not
+/// go along, and where few patches stand behind it.
+///
+/// Of 80 pairs with a known truth and up to three cores each, the choice loses 0.95 points of right less thrice wrong
+/// coverage to the best one; 2.65 without curvature and vote.
+/// \param vote Core::vote.
+double choice_score(const MapQuality& quality, double vote);
 
 }  // namespace isograft

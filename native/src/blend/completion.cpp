@@ -24,10 +24,11 @@ bool is_whole(const TriangleMesh& mesh) {
 }  // namespace
 
 Completion::Completion(const Pair& pair, const PatchSettings& settings, const std::vector<Patch>& patches,
-                       Trials& trials, Monitor& monitor)
+                       Trials& trials, const DriftFinder& drift, Monitor& monitor)
     : pair_(pair),
       settings_(settings),
       trials_(trials),
+      drift_(drift),
       monitor_(monitor),
       grower_(pair.source.samples, pair.target, settings.growth),
       anchors_(pair),
@@ -187,6 +188,7 @@ std::vector<double> Completion::doubts() const {
         if (s % 64 == 0) monitor_.check();
         if (map_.mapped[s]) own[s] = evidence(s, map_.image[s], map_.rotation[s]);
     }
+    const std::vector<Drift> drifts = drift_.find(map_);
     std::vector<double> result(source.count(), 0.0);
     for (int s = 0; s < source.count(); ++s) {
         if (!map_.mapped[s]) continue;
@@ -203,6 +205,7 @@ std::vector<double> Completion::doubts() const {
         ring.mismatch /= count;
         ring.incompatibility /= count;
         ring.curvature /= count;
+        ring.drift = std::max(0.0, drifts[s].gain());
         result[s] = doubt(ring);
     }
     return result;

@@ -8,6 +8,7 @@
 #include "blend/anchors.h"
 #include "blend/core.h"
 #include "blend/doubt.h"
+#include "blend/drift.h"
 #include "blend/trials.h"
 #include "growth/grow.h"
 
@@ -16,9 +17,9 @@ namespace isograft {
 /// Makes one map out of one core and carries it into what is still uncovered. Every step leaves a valid map.
 class Completion {
   public:
-    /// The references must outlive it; `patches` and `trials` are shared between cores.
+    /// The references must outlive it; `patches`, `trials` and `drift` are shared between cores.
     Completion(const Pair& pair, const PatchSettings& settings, const std::vector<Patch>& patches, Trials& trials,
-               Monitor& monitor);
+               const DriftFinder& drift, Monitor& monitor);
 
     /// Merge the core's patches, keep the largest continuous part, run the least squares.
     void start(const Core& core);
@@ -62,6 +63,7 @@ class Completion {
     const Pair& pair_;
     PatchSettings settings_;
     Trials& trials_;
+    const DriftFinder& drift_;
     Monitor& monitor_;
     Grower grower_;
     Anchors anchors_;

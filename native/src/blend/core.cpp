@@ -27,6 +27,8 @@ void BlendOptions::validate() const {
     require(accept > 0.0 && accept <= 1.0, "accept must be in (0, 1]");
     require(careful_rounds >= 0 && careful_rounds <= 100, "careful_rounds must be in [0, 100]");
     require(alternative >= 0.0 && alternative <= 1.0, "alternative must be in [0, 1]; 1 keeps none");
+    require(attempts >= 1 && attempts <= 100, "attempts must be in [1, 100]");
+    require(content >= 0.0 && content <= 1.0, "content must be in [0, 1]; 0 is content with any map");
 }
 
 namespace {
@@ -122,6 +124,8 @@ std::vector<Core> find_cores(const std::vector<Patch>& patches, const BlendOptio
     if (count == 0) return cores;
     const Agreement agreement = measure_agreement(patches, options);
     const Eigen::MatrixXd weights = support(agreement);
+    double all_votes = 0.0;
+    for (const Patch& p : patches) all_votes += vote_of(p);
     std::vector<char> used(count, 0);
     for (int k = 0; k < options.cores; ++k) {
         const auto left = std::count(used.begin(), used.end(), 0);
@@ -159,6 +163,7 @@ std::vector<Core> find_cores(const std::vector<Patch>& patches, const BlendOptio
                 used[i] = 1;
             }
         }
+        core.vote /= std::max(1e-300, all_votes);
         if (core.count < 3 && k > 0) break;
         cores.push_back(std::move(core));
     }

@@ -12,7 +12,7 @@ namespace isograft {
 struct Core {
     std::vector<char> member;
     int count = 0;
-    /// Sum of the members' votes.
+    /// Share of all patches' votes that its members have, in (0, 1].
     double vote = 0.0;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "blend/doubt.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace isograft {
@@ -8,7 +9,13 @@ namespace isograft {
 double doubt(const Evidence& e) {
     const double distances = std::log(0.01 + e.incompatibility);
     double odds = e.hearsay;
-    if (e.whole) {
+    if (e.drift >= 0.0 && e.whole) {
+        // A limb taken for another fits where it lies: no drift is no evidence.
+        odds += 6.05 + 1.89 * distances + 3.01 * std::max(0.0, e.drift - 0.1) - 3.40 * e.support;
+    } else if (e.drift >= 0.0) {
+        odds += 7.46 + 1.54 * distances + 1.05 * std::log(0.05 + e.mismatch) + 0.52 * std::log(0.01 + e.curvature) +
+                1.73 * e.drift - 5.72 * e.support;
+    } else if (e.whole) {
         odds += 6.05 + 1.89 * distances - 3.40 * e.support;
     } else {
         odds += 6.44 + 0.96 * distances + 1.04 * std::log(0.05 + e.mismatch) + 1.18 * std::log(0.01 + e.curvature) -

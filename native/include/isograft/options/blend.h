@@ -29,6 +29,11 @@ struct BlendOptions {
     int careful_rounds = 3;
     /// A map that contradicts the best is kept as an alternative if it scores more than this share of it.
     double alternative = 0.75;
+    /// Whole searches, each from other samples, while the best map so far is worth less than `content`.
+    int attempts = 2;
+    /// Between 0 and 1: share of the area that is expected to be right, where doubt counts four times; less for bodies
+    /// out of shape and weak consensus. Right maps of whole bodies reach 0.65 to 0.9.
+    double content = 0.6;
 
     template <class Visitor>
     void visit(Visitor&& visitor) {
@@ -44,6 +49,8 @@ struct BlendOptions {
         visitor("accept", accept);
         visitor("careful_rounds", careful_rounds);
         visitor("alternative", alternative);
+        visitor("attempts", attempts);
+        visitor("content", content);
     }
 
     /// \throw InvalidInput naming the first field that is out of range.
