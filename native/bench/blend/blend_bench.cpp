@@ -30,7 +30,7 @@ void blend(benchmark::State& state) {
     const auto patches = grow_patches(twins.pair(), settings, matches, 0, monitor, 0.0, 0.0);
     const auto cores = find_cores(patches, settings.blend);
     for (auto _ : state) {
-        benchmark::DoNotOptimize(isograft::blend(twins.pair(), settings, patches, cores, monitor, 0.0, 1.0));
+        benchmark::DoNotOptimize(isograft::blend(twins.pair(), settings, patches, cores, monitor, 0.0, 0.6, 1.0));
     }
 }
 BENCHMARK(blend)->Unit(benchmark::kMillisecond);

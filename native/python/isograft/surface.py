@@ -45,7 +45,8 @@ class Surface:
 
     Of a mesh, repeated and zero-area triangles are left out, edges of more than two triangles are split, and the
     winding is made consistent and outward. Of a cloud, outliers are left out, normals are estimated where none are
-    given and turned to one side, and a mesh is laid over the smoothed points, with holes where the cloud has holes. All of it is told in `warnings`. Results are always indexed by the vertices and
+    given and turned to one side, and a mesh is laid over the smoothed points, with holes where the cloud has holes.
+    All of it is told in `warnings`. Results are always indexed by the vertices and
     triangles given here.
 
     Args:
