@@ -47,7 +47,7 @@ void complete(Contender& contender, const Core& core, const Pair& pair, const Pa
     progress.reach(0.95);
     completion.place_anchors();
     contender.quality = measure_quality(pair, settings.feature, completion.map(), completion.doubts());
-    contender.score = choice_score(contender.quality, core.vote);
+    contender.score = choice_score(contender.quality);
     contender.free = completion.map();
     progress.reach(1.0);
 }
@@ -146,9 +146,8 @@ std::vector<Blended> blend(const Pair& pair, const PatchSettings& settings, cons
             completion.place_anchors();
             const std::vector<double> risk = completion.doubts();
             const MapQuality quality = measure_quality(pair, settings.feature, completion.map(), risk);
-            result[i] = {completion.map(),       risk,
-                         chosen.quality,         chosen.score,
-                         cores[ranked[i]].count, choice_score(quality, cores[ranked[i]].vote)};
+            result[i] = {completion.map(),     risk, chosen.quality, chosen.score, cores[ranked[i]].count,
+                         choice_score(quality)};
         },
         monitor, "blend", middle, middle);
     monitor.report("blend", to);

@@ -92,10 +92,10 @@ MapQuality measure_quality(const Pair& pair, const FeatureOptions& options, cons
     return quality;
 }
 
-double choice_score(const MapQuality& quality, double vote) {
+double choice_score(const MapQuality& quality) {
     const double bent = std::sqrt(std::max(0.05, 1.0 - 3.0 * quality.rigidity));
     const double alike = std::sqrt(std::max(0.01, quality.curvature));
-    return quality.expected * bent * alike * std::pow(std::max(0.001, vote), 0.1);
+    return quality.expected * bent * alike;
 }
 
 }  // namespace isograft

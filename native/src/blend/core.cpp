@@ -124,8 +124,6 @@ std::vector<Core> find_cores(const std::vector<Patch>& patches, const BlendOptio
     if (count == 0) return cores;
     const Agreement agreement = measure_agreement(patches, options);
     const Eigen::MatrixXd weights = support(agreement);
-    double all_votes = 0.0;
-    for (const Patch& p : patches) all_votes += vote_of(p);
     std::vector<char> used(count, 0);
     for (int k = 0; k < options.cores; ++k) {
         const auto left = std::count(used.begin(), used.end(), 0);
@@ -157,13 +155,11 @@ std::vector<Core> find_cores(const std::vector<Patch>& patches, const BlendOptio
         for (int i = 0; i < count; ++i) {
             if (core.member[i]) {
                 ++core.count;
-                core.vote += vote_of(patches[i]);
                 used[i] = 1;
             } else if (overlap[i] > 1.0 && agree[i] / overlap[i] > 0.5) {
                 used[i] = 1;
             }
         }
-        core.vote /= std::max(1e-300, all_votes);
         if (core.count < 3 && k > 0) break;
         cores.push_back(std::move(core));
     }

@@ -12,8 +12,6 @@ namespace isograft {
 struct Core {
     std::vector<char> member;
     int count = 0;
-    /// Share of all patches' votes that its members have, in (0, 1].
-    double vote = 0.0;
 };
 
 /// Find sets of patches that put the samples they share in the same places (in place of the paper's linkage, section

@@ -32,8 +32,8 @@ struct BlendOptions {
     /// Whole searches, each from other samples, while the best map so far is worth less than `content`.
     int attempts = 2;
     /// Between 0 and 1: share of the area that is expected to be right, where doubt counts four times; less for bodies
-    /// out of shape and weak consensus. Right maps of whole bodies reach 0.65 to 0.9.
-    double content = 0.6;
+    /// out of shape. Right maps of whole bodies reach 0.7 to 0.9.
+    double content = 0.66;
 
     template <class Visitor>
     void visit(Visitor&& visitor) {
