@@ -219,6 +219,7 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
     // Nobody knows yet whether there will be another search: a share for it that is not far off either way.
     const double another = 0.3 * costs.setting() + costs.growth() + costs.cores(options.blend.cores) + costs.answers(1);
     const double perhaps = options.blend.attempts > 1 ? 0.4 * another : 0.0;
+    double expected = costs.preparation({points, target.vertices().rows()}) + costs.search(points);
     const double carry = costs.answers(1) + perhaps + finish;
     const double search = costs.search(points) + perhaps;
     const double denoise = options.surface.denoise;
@@ -255,6 +256,7 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
     report.maps_in_core = answers.front().maps_in_core;
     lap("blend", map_bytes * static_cast<std::int64_t>(answers.size()));
     for (int attempt = 1; attempt < options.blend.attempts && answers.front().fit < options.blend.content; ++attempt) {
+        expected += another;
         at = watcher.fraction();
         const double end = end_of_part(at, 1.0, another, finish);
         const double sampled = end_of_part(at, end, 0.3 * costs.setting(), another - 0.3 * costs.setting());
@@ -278,6 +280,8 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
         report.source_samples = pair.source.samples.count();
         report.target_samples = pair.target.samples.count();
     }
+    // What was kept back for a search that did not come.
+    watcher.report("blend", 1.0 - finish / expected);
     warn_of_answers(answers, report);
 
     for (std::size_t i = 0; i < answers.size(); ++i) {
