@@ -10,6 +10,8 @@ namespace isograft {
 class Piece {
   public:
     /// \param size share of the whole call, >= 0; without one it only checks. `monitor` must outlive it.
+    /// Not explicit: who has no share to give passes its monitor.
+    // NOLINTNEXTLINE(google-explicit-constructor)
     Piece(Monitor& monitor, double size = 0.0) : monitor_(&monitor), size_(size) {}
 
     void check() { monitor_->check(); }

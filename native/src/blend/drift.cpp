@@ -14,6 +14,12 @@ constexpr int grid = 2 * half_grid + 1;
 // How far neighbours are asked, in spacings.
 constexpr double surroundings = 4.5;
 
+// The move of a cell of the grid, in spacings.
+Complex move_of(int cell) {
+    const int row = cell / grid;
+    return {static_cast<double>(cell - row * grid - half_grid), static_cast<double>(row - half_grid)};
+}
+
 // Takes a direction at one end of an edge along it, to the other end.
 Complex along(const SampleEdge& edge, int from) {
     return from == edge.u ? -edge.at_v * std::conj(edge.at_u) : -edge.at_u * std::conj(edge.at_v);
@@ -108,7 +114,7 @@ std::vector<Drift> DriftFinder::find(const PartialMap& map) const {
             if (own[sample].empty()) return;
             ++voices;
             for (int c = 0; c < grid * grid; ++c) {
-                const Complex at = Complex(c % grid - half_grid, c / grid - half_grid) * there;
+                const Complex at = move_of(c) * there;
                 const int x = static_cast<int>(std::lround(at.real())) + half_grid;
                 const int y = static_cast<int>(std::lround(at.imag())) + half_grid;
                 if (x < 0 || y < 0 || x >= grid || y >= grid) continue;
@@ -131,7 +137,7 @@ std::vector<Drift> DriftFinder::find(const PartialMap& map) const {
             const double best = *std::min_element(cells[c].sum.begin(), cells[c].sum.end()) / cells[c].count;
             if (best >= drift.there) continue;
             drift.there = best;
-            drift.offset = Complex(c % grid - half_grid, c / grid - half_grid) * spacing_ * map.rotation[s];
+            drift.offset = move_of(c) * spacing_ * map.rotation[s];
         }
     }
     return result;
