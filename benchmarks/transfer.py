@@ -29,7 +29,6 @@ class Ring:
         i, j = np.divmod(np.arange(self.rows * self.columns), self.columns)
         self.around, self.along = i / self.rows, j / self.columns
         self.vertices = place(self.around, self.along)
-        i, j = np.divmod(np.arange(self.rows * self.columns), self.columns)
         cell = np.array([[[0, 0], [0, 1], [1, 1]], [[0, 0], [1, 1], [1, 0]]])
         row = i[:, None, None] + cell[None, ..., 0]
         column = j[:, None, None] + cell[None, ..., 1]

@@ -216,8 +216,11 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
     const Costs costs(options);
     const auto points = source.vertices().rows();
     const double finish = costs.refinement() + costs.dense(points);
+    // Descriptors made anew, and the blend of as many cores as there may be.
+    const double describing = 0.3 * costs.setting();
+    const double blending = costs.cores(options.blend.cores) + costs.answers(1);
     // Nobody knows yet whether there will be another search: a share for it that is not far off either way.
-    const double another = 0.3 * costs.setting() + costs.growth() + costs.cores(options.blend.cores) + costs.answers(1);
+    const double another = describing + costs.growth() + blending;
     const double perhaps = options.blend.attempts > 1 ? 0.4 * another : 0.0;
     double expected = costs.preparation({points, target.vertices().rows()}) + costs.search(points);
     const double carry = costs.answers(1) + perhaps + finish;
@@ -232,12 +235,12 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
 
     const PatchSettings settings{options.feature, options.seed, options.growth, options.blend, options.threads};
     double at = watcher.fraction();
-    const double rest = costs.cores(options.blend.cores) + carry;
+    const double rest = blending + perhaps + finish;
     double until = end_of_part(at, 1.0, costs.growth(), rest);
     Grown grown = grow(pair, settings, options, watcher, at, until);
     if (const double factor = scale_correction(pair, grown, options, report, watcher); factor != 1.0) {
         at = watcher.fraction();
-        const double described = end_of_part(at, 1.0, 0.3 * costs.setting(), costs.growth() + rest);
+        const double described = end_of_part(at, 1.0, describing, costs.growth() + rest);
         rescale(prepared, factor, options, watcher, at, described);
         report.scale = prepared.setting.scale;
         until = end_of_part(described, 1.0, costs.growth(), rest);
@@ -259,8 +262,7 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
         expected += another;
         at = watcher.fraction();
         const double end = end_of_part(at, 1.0, another, finish);
-        const double sampled = end_of_part(at, end, 0.3 * costs.setting(), another - 0.3 * costs.setting());
-        const double blending = costs.cores(options.blend.cores) + costs.answers(1);
+        const double sampled = end_of_part(at, end, describing, costs.growth() + blending);
         until = end_of_part(sampled, end, costs.growth(), blending);
         Pair other = pair;
         resample(other, options, options.random_seed + 16 * static_cast<std::uint64_t>(attempt), watcher, at, sampled);

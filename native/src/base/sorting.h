@@ -11,10 +11,12 @@
 
 namespace isograft {
 
+/// Steps of a light loop between two looks at the monitor.
+constexpr int often = 1 << 16;
+
 /// std::sort that asks `monitor` now and then. \throw Cancelled, with the items in any order.
 template <class Iterator, class Less>
 void sort_watched(Iterator begin, Iterator end, Less less, Monitor& monitor) {
-    constexpr unsigned often = 1U << 16U;
     unsigned comparisons = 0;
     std::sort(begin, end, [&](const auto& a, const auto& b) {
         if (++comparisons % often == 0) monitor.check();
@@ -29,7 +31,6 @@ void sort_watched(Iterator begin, Iterator end, Less less, Monitor& monitor) {
 template <class Item, class BucketOf, class Less>
 std::vector<Item> sort_by_buckets(std::vector<Item> items, int buckets, BucketOf bucket_of, Less less,
                                   Monitor& monitor) {
-    constexpr std::size_t often = std::size_t{1} << 16U;
     std::vector<int> next(static_cast<std::size_t>(buckets) + 1, 0);
     for (const Item& item : items) ++next[bucket_of(item) + 1];
     std::partial_sum(next.begin(), next.end(), next.begin());

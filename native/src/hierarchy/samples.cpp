@@ -27,6 +27,20 @@ void HierarchyOptions::validate() const {
     require(coarse_edge >= 0.0 && coarse_edge <= 1.0, "coarse_edge must be in [0, 1]");
 }
 
+std::optional<SampleEdge> straight_edge(const TriangleMesh& mesh, const Samples& samples, int u, int v,
+                                        const Polar& polar, const StraightEdgeOptions& options) {
+    const auto shot = shoot(mesh, samples.point[u], samples.point[v], std::polar(1.0, polar.angle), polar.distance,
+                            {.max_traces = 6, .tolerance = options.tolerance});
+    if (!shot || std::abs(shot->length - polar.distance) > options.same_path * polar.distance) return std::nullopt;
+    SampleEdge edge;
+    edge.u = u;
+    edge.v = v;
+    edge.length = shot->length;
+    edge.at_u = shot->departure;
+    edge.at_v = -shot->arrival;
+    return edge;
+}
+
 double sample_spacing(double area, int samples) {
     // Random Poisson disks fill 0.72 of what a hexagonal packing of their centres would.
     return std::sqrt(0.72 * area / samples);
@@ -184,18 +198,10 @@ class EdgeMaker {
     void add_edge(int u, int v, const Polar& polar, std::vector<SampleEdge>& edges) const {
         const int level = std::min(samples_.level[u], samples_.level[v]);
         if (polar.distance > reach(level)) return;
-        // Long polar maps are off by a few per cent where curvature is strong: walk the path, keep it if both agree.
-        const auto shot = shoot(mesh_, samples_.point[u], samples_.point[v], std::polar(1.0, polar.angle),
-                                polar.distance, {.max_traces = 6, .tolerance = 0.002});
-        if (!shot || std::abs(shot->length - polar.distance) > options_.reshoot_tolerance * polar.distance) return;
-        SampleEdge edge;
-        edge.u = u;
-        edge.v = v;
-        edge.length = shot->length;
-        edge.at_u = shot->departure;
-        edge.at_v = -shot->arrival;
-        while (edge.level < level && polar.distance > reach(edge.level)) ++edge.level;
-        edges.push_back(std::move(edge));
+        auto edge = straight_edge(mesh_, samples_, u, v, polar, {.same_path = options_.reshoot_tolerance});
+        if (!edge) return;
+        while (edge->level < level && polar.distance > reach(edge->level)) ++edge->level;
+        edges.push_back(std::move(*edge));
     }
 
     const TriangleMesh& mesh_;

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "geodesic/surface_point.h"
+#include "geodesic/window.h"
 #include "isograft/monitor.h"
 #include "isograft/options/hierarchy.h"
 
@@ -62,6 +64,19 @@ struct SampledMesh {
     TriangleMesh mesh;
     Samples samples;
 };
+
+/// What a straight edge has to be.
+struct StraightEdgeOptions {
+    /// Of the shot, see ShootOptions.
+    double tolerance = 0.002;
+    /// Relative difference of length from the window's path up to which it is the same path.
+    double same_path = 0.08;
+};
+
+/// The straight geodesic near a window's path between two samples, of level 0; nothing where it is another one. Long
+/// polar maps are off by a few per cent where curvature is strong, and bend at saddles.
+std::optional<SampleEdge> straight_edge(const TriangleMesh& mesh, const Samples& samples, int u, int v,
+                                        const Polar& polar, const StraightEdgeOptions& options);
 
 /// The spacing at which `samples` points fill an area of `area`.
 double sample_spacing(double area, int samples);

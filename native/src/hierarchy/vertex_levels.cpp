@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "base/parallel.h"
-#include "geodesic/shoot.h"
+#include "geodesic/trace.h"
 #include "geodesic/window.h"
 
 namespace isograft {
@@ -17,8 +17,6 @@ namespace {
 
 // Disks of this radius, in spacings, put neighbouring vertices of a level about one spacing apart.
 constexpr double packing = 0.8;
-// Geodesics of the window and of the shot that differ by more than this are not the same straight path.
-constexpr double same_path = 0.08;
 
 using Pairs = std::vector<std::pair<int, int>>;
 
@@ -34,21 +32,6 @@ SampleEdge edge_of(int u, int v, const Polar& polar) {
     edge.length = polar.distance;
     edge.at_u = std::polar(1.0, polar.angle);
     edge.at_v = polar.back;
-    return edge;
-}
-
-// The straight geodesic near a window's path; nothing where it is another one.
-std::optional<SampleEdge> straight_edge(const TriangleMesh& mesh, const Samples& samples, int u, int v,
-                                        const Polar& polar, double tolerance) {
-    const auto shot = shoot(mesh, samples.point[u], samples.point[v], std::polar(1.0, polar.angle), polar.distance,
-                            {.max_traces = 6, .tolerance = tolerance});
-    if (!shot || std::abs(shot->length - polar.distance) > same_path * polar.distance) return std::nullopt;
-    SampleEdge edge;
-    edge.u = u;
-    edge.v = v;
-    edge.length = shot->length;
-    edge.at_u = shot->departure;
-    edge.at_v = -shot->arrival;
     return edge;
 }
 
@@ -79,7 +62,7 @@ void join_near(const TriangleMesh& mesh, VertexLevels& levels, int threads, Moni
                 const auto polar = window.query(levels.samples.point[v]);
                 if (!polar || polar->distance <= 0.0) continue;
                 // A window's path may bend at a saddle. Here it is walked as a straight one, so it has to be straight.
-                const auto straight = straight_edge(mesh, levels.samples, u, v, *polar, 0.001);
+                const auto straight = straight_edge(mesh, levels.samples, u, v, *polar, {.tolerance = 0.001});
                 if (!straight && !joined) continue;
                 around[u].push_back(straight ? *straight : edge_of(u, v, *polar));
                 around[u].back().level = joined ? 0 : 1;
@@ -157,7 +140,7 @@ void join_level(const TriangleMesh& mesh, VertexLevels& levels, int level, const
                 const int v = pairs[i].second;
                 const auto polar = window.query(samples.point[v]);
                 if (!polar) continue;
-                auto straight = straight_edge(mesh, samples, u, v, *polar, 0.002);
+                auto straight = straight_edge(mesh, samples, u, v, *polar, {});
                 if (!straight) continue;
                 SampleEdge& edge = *straight;
                 edge.level = level;

@@ -24,8 +24,6 @@ constexpr double smallest_extent = 1e-50;
 constexpr double largest_extent = 1e50;
 // Height over longest edge below which a triangle has no usable direction.
 constexpr double flat = 1e-10;
-// Steps between two looks at the monitor.
-constexpr std::size_t often = 1 << 16;
 
 std::string counted(Eigen::Index n, const char* one, const char* many) {
     return std::to_string(n) + " " + (n == 1 ? one : many);

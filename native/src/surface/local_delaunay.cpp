@@ -3,23 +3,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 
 #include <Eigen/Geometry>
+
+#include "base/complex.h"
 
 namespace isograft {
 
 namespace {
 
-using Complex = std::complex<double>;
-
 constexpr int most_neighbours = 48;
 // A step along the surface: rise over length at either end, and the cosine between the normals.
 constexpr double steepest = 0.55;
 constexpr double least_alike = 0.4;
-
-double cross(Complex a, Complex b) { return a.real() * b.imag() - a.imag() * b.real(); }
-double dot(Complex a, Complex b) { return a.real() * b.real() + a.imag() * b.imag(); }
 
 struct Seen {
     int site;

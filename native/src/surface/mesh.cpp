@@ -15,9 +15,6 @@ namespace isograft {
 
 namespace {
 
-// Steps between two looks at the monitor.
-constexpr int often = 1 << 16;
-
 void connect(TriangleMesh& mesh, Monitor& monitor) {
     const Edges edges = collect_edges(mesh.face, monitor);
     mesh.twin.assign(3 * mesh.face.size(), -1);

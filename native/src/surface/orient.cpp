@@ -7,12 +7,11 @@
 
 #include <Eigen/Geometry>
 
+#include "base/sorting.h"
+
 namespace isograft {
 
 namespace {
-
-// Steps between two looks at the monitor.
-constexpr std::size_t often = 1 << 16;
 
 double twice_area(const Soup& soup, int f) {
     const auto& [a, b, c] = soup.face[f];

@@ -147,15 +147,6 @@ struct Reader {
                 static_cast<std::uint8_t>(std::clamp(std::floor(255.0F * value[k] + 0.5F), 0.0F, 255.0F));
         }
     }
-
-    void copy(std::size_t from, std::size_t to) const {
-        const auto count = static_cast<std::size_t>(channel.components);
-        if (channel.reals != nullptr) {
-            std::copy_n(channel.reals + from * count, count, channel.reals + to * count);
-        } else {
-            std::copy_n(channel.bytes + from * count, count, channel.bytes + to * count);
-        }
-    }
 };
 
 struct Baker {
@@ -260,15 +251,10 @@ void bake(const Correspondence& correspondence, const ReceiverMesh& receiver, co
         baker.bake_band(band, *projections[worker]);
     };
     parallel_for(bands.count(), options.threads, read, watched, "bake", 0.0, share_of_reading);
-    const auto spread = [&](int band, int /*worker*/) {
-        const int first_row = band * bands.rows;
-        const auto copy = [&](std::size_t from, std::size_t to) {
-            for (const Reader& reader : readers) reader.copy(from, to);
-        };
-        dilate(mask, options.width, options.height, options.margin, first_row,
-               std::min(options.height, first_row + bands.rows), copy);
+    const auto copy = [&](std::size_t from, std::size_t to) {
+        for (const BakeChannel& channel : channels) copy_texel(channel, channel.components, from, to);
     };
-    parallel_for(bands.count(), options.threads, spread, watched, "margin", share_of_reading, 1.0);
+    dilate_bands(bands, mask, options, copy, watched, share_of_reading, 1.0);
 }
 
 }  // namespace isograft

@@ -7,6 +7,8 @@
 #include <limits>
 #include <vector>
 
+#include "base/parallel.h"
+
 namespace isograft {
 
 namespace {
@@ -75,6 +77,17 @@ void dilate(std::uint8_t* mask, int width, int height, int margin, int first_row
             copy(static_cast<std::size_t>(from_row) * width + from_column, to);
         }
     }
+}
+
+void dilate_bands(const Bands& bands, std::uint8_t* mask, const BakeOptions& options,
+                  const std::function<void(std::size_t from, std::size_t to)>& copy, Monitor& monitor, double from,
+                  double to) {
+    const auto spread = [&](int band, int /*worker*/) {
+        const int first_row = band * bands.rows;
+        dilate(mask, options.width, options.height, options.margin, first_row,
+               std::min(options.height, first_row + bands.rows), copy);
+    };
+    parallel_for(bands.count(), options.threads, spread, monitor, "margin", from, to);
 }
 
 }  // namespace isograft

@@ -33,15 +33,6 @@ void write(const PaintChannel& channel, std::size_t texel, int f, const Eigen::V
     }
 }
 
-void copy(const PaintChannel& channel, std::size_t from, std::size_t to) {
-    const auto count = static_cast<std::size_t>(channel.values.cols());
-    if (channel.reals != nullptr) {
-        std::copy_n(channel.reals + from * count, count, channel.reals + to * count);
-    } else {
-        std::copy_n(channel.bytes + from * count, count, channel.bytes + to * count);
-    }
-}
-
 }  // namespace
 
 void paint(const CornerUV& uv, const Mask& wanted, const std::vector<PaintChannel>& channels,
@@ -79,14 +70,10 @@ void paint(const CornerUV& uv, const Mask& wanted, const std::vector<PaintChanne
         }
     };
     parallel_for(bands.count(), options.threads, fill, watched, "fill", 0.0, share_of_painting);
-    const auto spread = [&](int band, int /*worker*/) {
-        const int first_row = band * bands.rows;
-        dilate(mask, options.width, options.height, options.margin, first_row,
-               std::min(options.height, first_row + bands.rows), [&](std::size_t from, std::size_t to) {
-                   for (const PaintChannel& channel : channels) copy(channel, from, to);
-               });
+    const auto copy = [&](std::size_t from, std::size_t to) {
+        for (const PaintChannel& c : channels) copy_texel(c, static_cast<int>(c.values.cols()), from, to);
     };
-    parallel_for(bands.count(), options.threads, spread, watched, "margin", share_of_painting, 1.0);
+    dilate_bands(bands, mask, options, copy, watched, share_of_painting, 1.0);
 }
 
 }  // namespace isograft

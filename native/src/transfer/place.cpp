@@ -31,19 +31,11 @@ struct Placement {
 
     // Read all corners of polygon p as one, if all of them are matched and not torn.
     void place(int p, PatchReader& reader) {
-        const Polygons& polygons = on_donor.polygons;
         if (on_donor.extent[p] == infinity) return;
         const PolygonCorners own = polygon_corners(on_donor, p);
         std::vector<Place> found;
         if (!reader.read(own.images, own.centre, found)) return;
-        for (int i = polygons.first[p]; i < polygons.first[p + 1]; ++i) {
-            const int f = polygons.triangle[i];
-            for (int c = 0; c < 3; ++c) {
-                const int v = on_donor.receiver.faces(f, c);
-                const auto at = std::lower_bound(own.vertices.begin(), own.vertices.end(), v);
-                places[3 * f + c] = found[at - own.vertices.begin()];
-            }
-        }
+        write_places(on_donor, p, own, found, places);
         root[p] = reader.root();
         parted[p] = reader.parted() ? 1 : 0;
     }

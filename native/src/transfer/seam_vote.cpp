@@ -118,11 +118,10 @@ class Vote {
 
     // Returns true if another choice costs less.
     bool ask(Candidate& candidate) {
-        double best = std::numeric_limits<double>::infinity();
         int chosen = candidate.chosen;
         std::vector<double> costs;
         for (const Choice& choice : candidate.choices) costs.push_back(cost(candidate, choice));
-        best = costs[candidate.chosen];
+        double best = costs[candidate.chosen];
         for (int k = 0; k < static_cast<int>(costs.size()); ++k) {
             if (costs[k] >= best - least_gain * perimeter(candidate.polygon)) continue;
             best = costs[k];
@@ -160,8 +159,7 @@ class Vote {
 
     [[nodiscard]] const Place& at(const Candidate& candidate, const Choice& choice, int corner) const {
         const int v = receiver_.receiver.faces(corner / 3, corner % 3);
-        const auto& vertices = candidate.corners.vertices;
-        return choice.places[std::lower_bound(vertices.begin(), vertices.end(), v) - vertices.begin()];
+        return choice.places[candidate.corners.index_of(v)];
     }
 
     [[nodiscard]] double cost(const Candidate& candidate, const Choice& choice) const {
@@ -195,13 +193,9 @@ class Vote {
     }
 
     void write(const Candidate& candidate) {
-        const Polygons& polygons = receiver_.polygons;
         const Choice& choice = candidate.choices[candidate.chosen];
         root_[candidate.polygon] = choice.root;
-        for (int i = polygons.first[candidate.polygon]; i < polygons.first[candidate.polygon + 1]; ++i) {
-            const int f = polygons.triangle[i];
-            for (int corner = 3 * f; corner < 3 * f + 3; ++corner) places_[corner] = at(candidate, choice, corner);
-        }
+        write_places(receiver_, candidate.polygon, candidate.corners, choice.places, places_);
     }
 
     const ReceiverImages& receiver_;
@@ -240,6 +234,15 @@ PolygonCorners polygon_corners(const ReceiverImages& receiver, int p) {
     corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
     for (const int v : corners) result.images.push_back(receiver.images[v]);
     return result;
+}
+
+void write_places(const ReceiverImages& receiver, int p, const PolygonCorners& corners, const std::vector<Place>& found,
+                  std::vector<Place>& places) {
+    const Polygons& polygons = receiver.polygons;
+    for (int i = polygons.first[p]; i < polygons.first[p + 1]; ++i) {
+        const int f = polygons.triangle[i];
+        for (int c = 0; c < 3; ++c) places[3 * f + c] = found[corners.index_of(receiver.receiver.faces(f, c))];
+    }
 }
 
 void vote_on_seams(const ReceiverImages& receiver, const DonorView& donor, const std::vector<int>& asked,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <vector>
 
 #include "isograft/monitor.h"
@@ -9,7 +11,7 @@
 
 namespace isograft {
 
-/// Where the corners of the receiver's polygons are read: one place per corner of their triangles.
+/// A polygon of the receiver as the donor sees it.
 struct PolygonCorners {
     /// Vertices of the polygon, ascending.
     std::vector<int> vertices;
@@ -17,10 +19,19 @@ struct PolygonCorners {
     std::vector<Image> images;
     /// Mean of the images over the polygon's area.
     Eigen::Vector3d centre;
+
+    /// The index of a vertex of the polygon.
+    [[nodiscard]] std::size_t index_of(int vertex) const {
+        return std::lower_bound(vertices.begin(), vertices.end(), vertex) - vertices.begin();
+    }
 };
 
 /// The vertices of polygon `p` and their images.
 PolygonCorners polygon_corners(const ReceiverImages& receiver, int p);
+
+/// Hand the places of polygon `p`, one per vertex, to the corners of its triangles. \param places 3 #F.
+void write_places(const ReceiverImages& receiver, int p, const PolygonCorners& corners, const std::vector<Place>& found,
+                  std::vector<Place>& places);
 
 /// Assigns the polygons that a seam of the donor runs through by their centre and by their neighbours.
 ///
