@@ -38,11 +38,6 @@ Eigen::Map<const Ring> ring_of(const std::array<float, 2 * descriptor_cells>& va
     return Eigen::Map<const Ring>(values.data() + ring * 2 * descriptor_angles + shift);
 }
 
-void set_cell(std::array<float, 2 * descriptor_cells>& values, int ring, int angle, double value) {
-    values[ring * 2 * descriptor_angles + angle] = static_cast<float>(value);
-    values[ring * 2 * descriptor_angles + angle + descriptor_angles] = static_cast<float>(value);
-}
-
 double ring_radius(int ring, double radius) { return (ring + 0.5) / descriptor_rings * radius; }
 
 void measure_visibility(PolarDescriptor& descriptor) {
@@ -113,6 +108,20 @@ double cell_mean(const Bins& bins, int ring, int angle, double ring_mean) {
 
 }  // namespace
 
+PolarDescriptor packed(const DescriptorValues& values) {
+    PolarDescriptor descriptor;
+    for (int c = 0; c < descriptor_cells; ++c) {
+        const int first = (c / descriptor_angles) * 2 * descriptor_angles + c % descriptor_angles;
+        for (const int i : {first, first + descriptor_angles}) {
+            descriptor.cell[i] = static_cast<float>(values.cell[c]);
+            descriptor.seen[i] = values.seen[c] ? 1.0F : 0.0F;
+        }
+    }
+    for (int r = 0; r < descriptor_rings; ++r) descriptor.ring[r] = static_cast<float>(values.ring[r]);
+    measure_visibility(descriptor);
+    return descriptor;
+}
+
 double descriptor_distance(const PolarDescriptor& a, const PolarDescriptor& b, int shift,
                            const FeatureOptions& options) {
     if (a.whole && b.whole) {
@@ -165,15 +174,16 @@ int shift_of(Complex rotation) {
     return (shift % descriptor_angles + descriptor_angles) % descriptor_angles;
 }
 
-PolarDescriptor window_descriptor(const TriangleMesh& mesh, Window& window, const SurfacePoint& centre,
-                                  const std::vector<double>& curvature, double unit, const FeatureOptions& options) {
+DescriptorValues window_values(const TriangleMesh& mesh, Window& window, const SurfacePoint& centre,
+                               const std::vector<double>& curvature, double unit, const FeatureOptions& options) {
     const double radius = options.radius * unit;
     window.run(centre, 1.05 * radius + mesh.mean_edge);
     bool near_boundary = false;
     for (const int v : window.reached()) {
         near_boundary = near_boundary || (mesh.on_boundary[v] != 0 && window.distance(v) < 1.05 * radius);
     }
-    SeenCells seen;
+    DescriptorValues values;
+    SeenCells& seen = values.seen;
     seen.fill(true);
     if (near_boundary) {
         const auto sight = visible_radii(mesh, centre, radius);
@@ -182,7 +192,6 @@ PolarDescriptor window_descriptor(const TriangleMesh& mesh, Window& window, cons
         }
     }
     const Bins bins = fill_bins(mesh, window, curvature, radius, seen);
-    PolarDescriptor descriptor;
     for (int r = 0; r < descriptor_rings; ++r) {
         double sum = 0.0;
         double weight = 0.0;
@@ -196,22 +205,24 @@ PolarDescriptor window_descriptor(const TriangleMesh& mesh, Window& window, cons
         const double mean = weight > 0.0 ? sum / weight : 0.0;
         for (int a = 0; a < descriptor_angles; ++a) {
             const double h = cell_mean(bins, r, a, mean) * unit;
-            set_cell(descriptor.cell, r, a, std::atan(options.squash * h));
-            set_cell(descriptor.seen, r, a, seen[r * descriptor_angles + a] ? 1.0 : 0.0);
+            values.cell[r * descriptor_angles + a] = std::atan(options.squash * h);
         }
         const double flat = M_PI * radius * radius * (2 * r + 1) / (descriptor_rings * descriptor_rings);
         const bool enough = visible >= descriptor_angles / 3;
-        descriptor.ring[r] = enough ? static_cast<float>(bins.area[r] / flat * descriptor_angles / visible) : -1.0F;
+        values.ring[r] = enough ? bins.area[r] / flat * descriptor_angles / visible : -1.0;
     }
-    measure_visibility(descriptor);
-    return descriptor;
+    return values;
 }
 
-PolarDescriptor ray_descriptor(const TriangleMesh& mesh, const SurfacePoint& centre,
-                               const std::vector<double>& curvature, double radius, double gain, double phase,
-                               const FeatureOptions& options) {
-    PolarDescriptor descriptor;
-    descriptor.ring.fill(1.0F);
+PolarDescriptor window_descriptor(const TriangleMesh& mesh, Window& window, const SurfacePoint& centre,
+                                  const std::vector<double>& curvature, double unit, const FeatureOptions& options) {
+    return packed(window_values(mesh, window, centre, curvature, unit, options));
+}
+
+DescriptorValues ray_values(const TriangleMesh& mesh, const SurfacePoint& centre, const std::vector<double>& curvature,
+                            double radius, double gain, double phase, const FeatureOptions& options) {
+    DescriptorValues values;
+    values.ring.fill(1.0);
     for (int a = 0; a < descriptor_angles; ++a) {
         Walker walker(mesh, centre, std::polar(1.0, 2.0 * M_PI * a / descriptor_angles + phase));
         int ring = 0;
@@ -223,15 +234,20 @@ PolarDescriptor ray_descriptor(const TriangleMesh& mesh, const SurfacePoint& cen
                 const SurfacePoint p = point_at(mesh, walker.face(), walker.at(std::max(left, 0.0)));
                 double h = 0.0;
                 for (int k = 0; k < 3; ++k) h += p.weight[k] * curvature[mesh.face[p.face][k]];
-                set_cell(descriptor.cell, ring, a, std::atan(options.squash * gain * h));
-                set_cell(descriptor.seen, ring, a, 1.0);
+                values.cell[ring * descriptor_angles + a] = std::atan(options.squash * gain * h);
+                values.seen[ring * descriptor_angles + a] = true;
                 ++ring;
             }
             if (ring == descriptor_rings || !walker.advance()) break;
         }
     }
-    measure_visibility(descriptor);
-    return descriptor;
+    return values;
+}
+
+PolarDescriptor ray_descriptor(const TriangleMesh& mesh, const SurfacePoint& centre,
+                               const std::vector<double>& curvature, double radius, double gain, double phase,
+                               const FeatureOptions& options) {
+    return packed(ray_values(mesh, centre, curvature, radius, gain, phase, options));
 }
 
 std::vector<PolarDescriptor> window_descriptors(const TriangleMesh& mesh, const std::vector<SurfacePoint>& points,

@@ -35,6 +35,16 @@ struct PolarDescriptor {
     bool whole = true;
 };
 
+/// What a descriptor says, before it is stored in single precision.
+struct DescriptorValues {
+    /// Squashed curvature, ring by ring; 0 where a ray saw nothing.
+    std::array<double, descriptor_cells> cell{};
+    std::array<bool, descriptor_cells> seen{};
+    /// As PolarDescriptor::ring.
+    std::array<double, descriptor_rings> ring{};
+};
+PolarDescriptor packed(const DescriptorValues& values);
+
 /// Distance of `a` and `b` turned by `shift` sectors, >= 0 (curvature cells only; mean squared, rings weighted by
 /// area).
 double descriptor_distance(const PolarDescriptor& a, const PolarDescriptor& b, int shift,
@@ -56,12 +66,18 @@ int shift_of(Complex rotation);
 
 /// Descriptor from a geodesic window: every vertex in it adds to its cell. Accurate; for ranking matches.
 /// \param curvature per vertex. \param unit the pair's unit length, in mesh units.
+DescriptorValues window_values(const TriangleMesh& mesh, Window& window, const SurfacePoint& centre,
+                               const std::vector<double>& curvature, double unit, const FeatureOptions& options);
+/// The same, stored.
 PolarDescriptor window_descriptor(const TriangleMesh& mesh, Window& window, const SurfacePoint& centre,
                                   const std::vector<double>& curvature, double unit, const FeatureOptions& options);
 
 /// Descriptor from straight rays, `radius` long (mesh units), the first at `phase`: a twentieth of the cost, a little
 /// less sharp, without ring areas. For scale and refinement.
 /// \param gain multiplies the curvature: one over the scale that brings the mesh to the pair's unit length.
+DescriptorValues ray_values(const TriangleMesh& mesh, const SurfacePoint& centre, const std::vector<double>& curvature,
+                            double radius, double gain, double phase, const FeatureOptions& options);
+/// The same, stored.
 PolarDescriptor ray_descriptor(const TriangleMesh& mesh, const SurfacePoint& centre,
                                const std::vector<double>& curvature, double radius, double gain, double phase,
                                const FeatureOptions& options);

@@ -55,6 +55,12 @@ void expect_near(const PolarDescriptor& a, const PolarDescriptor& b, double tole
     }
 }
 
+void expect_equal(const DescriptorValues& a, const DescriptorValues& b, double tolerance) {
+    for (int r = 0; r < descriptor_rings; ++r) EXPECT_NEAR(a.ring[r], b.ring[r], tolerance);
+    for (int c = 0; c < descriptor_cells; ++c) EXPECT_NEAR(a.cell[c], b.cell[c], tolerance);
+    EXPECT_EQ(a.seen, b.seen);
+}
+
 TEST(Descriptor, IsNearestToItselfAtNoShiftAndElsewhereFarther) {
     const Described blob(shapes::blob(5));
     std::vector<PolarDescriptor> d;
@@ -111,13 +117,38 @@ TEST(Descriptor, ShiftAndRotationAreEachOthersInverse) {
 TEST(Descriptor, IsTheSameAfterRigidMotionAndRenumbering) {
     const auto shape = shapes::blob(4);
     const auto other = shapes::renumbered(shape, 22);
-    Described a(shape), b(shapes::moved(other.shape, shapes::some_rotation(), {3, 2, 1}));
-    for (int f = 11; f < a.mesh.face_count(); f += 400) {
+    const Described a(shape), b(shapes::moved(other.shape, shapes::some_rotation(), {3, 2, 1}));
+    Window a_window(a.mesh), b_window(b.mesh);
+    int count = 0;
+    for (int f = 11; f < a.mesh.face_count(); f += 100) {
         if (other.first_corner[f] != 0) continue;  // another frame: the test above
         const SurfacePoint p = centroid(f), q = shapes::same_point(other, p);
-        // Cells are single precision.
-        expect_near(a.window(p), b.window(q), 1e-6);
-        expect_near(a.rays(p), b.rays(q), 1e-6);
+        ++count;
+        expect_equal(window_values(a.mesh, a_window, p, a.curvature, unit_length, options),
+                     window_values(b.mesh, b_window, q, b.curvature, unit_length, options), 1e-9);
+        const double radius = options.radius * unit_length;
+        expect_equal(ray_values(a.mesh, p, a.curvature, radius, unit_length, 0.3, options),
+                     ray_values(b.mesh, q, b.curvature, radius, unit_length, 0.3, options), 1e-9);
+    }
+    EXPECT_GT(count, 10);
+}
+
+TEST(Descriptor, IsStoredAsNearAsSinglePrecisionComes) {
+    const Described blob(shapes::blob(4));
+    Window window(blob.mesh);
+    for (int f = 11; f < blob.mesh.face_count(); f += 400) {
+        const DescriptorValues values =
+            window_values(blob.mesh, window, centroid(f), blob.curvature, unit_length, options);
+        const PolarDescriptor stored = packed(values);
+        EXPECT_EQ(stored.cell, blob.window(centroid(f)).cell);
+        for (int r = 0; r < descriptor_rings; ++r) {
+            EXPECT_FLOAT_EQ(stored.ring[r], static_cast<float>(values.ring[r]));
+            for (int k = 0; k < 2 * descriptor_angles; ++k) {
+                const int c = r * descriptor_angles + k % descriptor_angles;
+                EXPECT_EQ(stored.cell[r * 2 * descriptor_angles + k], static_cast<float>(values.cell[c]));
+                EXPECT_EQ(stored.seen[r * 2 * descriptor_angles + k] > 0.5F, values.seen[c]);
+            }
+        }
     }
 }
 
