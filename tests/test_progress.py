@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import csv
 import os
+import threading
 import time
 from collections import defaultdict
 from pathlib import Path
@@ -17,6 +18,7 @@ import isograft
 import numpy as np
 import pytest
 import surfaces
+from isograft.matching import make_surfaces
 
 from benchmarks.cases import read_case
 from benchmarks.scaling_child import sized
@@ -48,6 +50,32 @@ def check_rising_and_frequent(rows: list[Row]) -> None:
 def test_progress_rises_and_comes_often() -> None:
     blob = surfaces.blob(4)
     check_rising_and_frequent(progress_of(blob, blob, preset="fast"))
+
+
+def test_surfaces_checked_side_by_side_leave_the_rest_of_the_progress_to_their_matches() -> None:
+    vertices, faces = surfaces.blob(5)
+    rows: list[tuple[str, float]] = []
+    threads: set[int] = set()
+
+    def progress(stage: str, fraction: float) -> None:
+        rows.append((stage, fraction))
+        threads.add(threading.get_ident())
+
+    sources = [("one", (vertices, faces)), ("two", (2.0 * vertices, faces))]
+    made, target, rest = make_surfaces(sources, ("three", (vertices, faces)), threads=2, progress=progress)
+    assert rest is not None
+    assert [np.abs(s.vertices).max() for s in (*made, target)] == [f * np.abs(vertices).max() for f in (1.0, 2.0, 1.0)]
+    assert {stage for stage, _ in rows} == {"surface"}
+    assert threads == {threading.get_ident()}
+    end = rows[-1][1]
+    assert 0.0 < end < 0.2  # a few milliseconds beside matches of seconds
+    rest("match", 0.0)
+    rest("match", 1.0)
+    fractions = [fraction for _, fraction in rows]
+    assert fractions == sorted(fractions)
+    assert rows[-2:] == [("match", end), ("match", 1.0)]
+    with pytest.raises(isograft.InvalidInput, match=r"^two: .*indices"):
+        make_surfaces([sources[0], ("two", (vertices, faces + 1_000_000))], ("three", (vertices, faces)))
 
 
 @pytest.mark.skipif(not (DATA / "pairs.csv").is_file(), reason=f"no data in {DATA}")

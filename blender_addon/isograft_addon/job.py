@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 import isograft
+from isograft.matching import make_surfaces
 
 Progress = Callable[[str, float], bool]
 SurfaceArrays = tuple[Any, Any]
@@ -34,13 +35,19 @@ class Task:
     def run(self, progress: Progress) -> list[Any]:
         """One isograft.Match per receiver, in order."""
         # All of them first: a mesh that is refused is refused before minutes are spent on the others.
-        donor = _surface(self.donor_name, self.donor)
-        receivers = [(name, _surface(name, arrays)) for name, arrays in self.receivers]
+        chosen = {name: self.options[name] for name in ("preset", "threads") if name in self.options}
+        try:
+            receivers, donor, rest = make_surfaces(
+                self.receivers, (self.donor_name, self.donor), progress=progress, **chosen
+            )
+        except (isograft.InvalidInput, isograft.ResourceLimit) as error:
+            raise ReceiverError(str(error)) from error
+        assert rest is not None
         results = []
-        for index, (name, receiver) in enumerate(receivers):
+        for index, ((name, _), receiver) in enumerate(zip(self.receivers, receivers, strict=True)):
 
             def report(stage: str, fraction: float, index: int = index, name: str = name) -> bool:
-                return progress(f"{name}: {stage}", (index + fraction) / len(receivers))
+                return rest(f"{name}: {stage}", (index + fraction) / len(receivers))
 
             try:
                 results.append(isograft.match(receiver, donor, progress=report, **self.options))
@@ -117,10 +124,3 @@ class Job:
     def _report(self, doing: str, fraction: float) -> bool:
         self._state = (doing, fraction)
         return not self._cancelled.is_set()
-
-
-def _surface(name: str, arrays: SurfaceArrays) -> isograft.Surface:
-    try:
-        return isograft.Surface(*arrays)
-    except (isograft.InvalidInput, isograft.ResourceLimit) as error:
-        raise ReceiverError(f"{name}: {error}") from error

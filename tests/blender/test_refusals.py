@@ -226,6 +226,22 @@ def test_one_receiver_without_a_match_keeps_the_others_from_receiving(matched: M
         bpy.ops.object.isograft_transfer(what={"UV", "COLOR"})
 
 
+def test_the_job_tells_its_progress_from_the_first_check_on(pair: Pair) -> None:
+    matching = add_on("matching")
+    task = matching.plan(pair.donor, [pair.receiver], bpy.context, {"preset": "fast"}).task()
+    told: list[tuple[str, float]] = []
+
+    def stop_at_the_match(doing: str, fraction: float) -> bool:
+        told.append((doing, fraction))
+        return not doing.startswith("Scan: ")
+
+    with pytest.raises(isograft.Cancelled):
+        task.run(stop_at_the_match)
+    assert told[0] == ("surface", 0.0)
+    assert told[-1][0].startswith("Scan: ")
+    assert [fraction for _, fraction in told] == sorted(fraction for _, fraction in told)
+
+
 def test_the_job_ends_with_cancelled_and_keeps_no_result(pair: Pair) -> None:
     job_module, matching = add_on("job"), add_on("matching")
     plan = matching.plan(pair.donor, [pair.receiver], bpy.context, {"threads": 1})

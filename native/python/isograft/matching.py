@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,6 +19,7 @@ from isograft.landmarks import to_landmarks
 from isograft.presets import check_overrides, preset_options
 from isograft.report import Report
 from isograft.surface import ProgressCallback, Surface, as_surfaces, check_progress
+from isograft.transfer.progress import part_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,6 +85,34 @@ def match(
         ResourceLimit: the surfaces are too large for this build, or for `memory_limit`.
         Cancelled: `progress` returned False. What it raises is passed on; so is KeyboardInterrupt.
     """
+    return match_named(
+        ("source", source),
+        ("target", target),
+        preset=preset,
+        landmarks=landmarks,
+        scale=scale,
+        threads=threads,
+        seed=seed,
+        memory_limit=memory_limit,
+        progress=progress,
+        **overrides,
+    )
+
+
+def match_named(
+    source: tuple[str, Any],
+    target: tuple[str, Any],
+    *,
+    preset: str = "default",
+    landmarks: Any = None,
+    scale: str | float = "auto",
+    threads: int | None = None,
+    seed: int = 0,
+    memory_limit: int | None = None,
+    progress: ProgressCallback | None = None,
+    **overrides: Any,
+) -> Match:
+    """As match(), with what errors are to call the two: (name, surface) each."""
     check_progress(progress)
     options = preset_options(preset) | check_overrides(overrides, preset)
     scale_mode, scale_value = to_scale(scale)
@@ -90,11 +120,9 @@ def match(
     seed_value = to_int(seed, "seed", 0, 2**64 - 1)
     limit = 0 if memory_limit is None else to_int(memory_limit, "memory_limit", 1, 2**62)
     if limit:
-        _native.check_memory(_size(source), _size(target), preset, options, thread_count, limit)
-    named = [("source", source), ("target", target)]
-    raw = [_size(value) for _, value in named if not isinstance(value, Surface)]
-    gate = _native.gate_share(raw, _size(source), _size(target), preset, options, thread_count) if raw else 0.0
-    s, t = as_surfaces(named, thread_count, _part(progress, 0.0, gate))
+        _native.check_memory(_size(source[1]), _size(target[1]), preset, options, thread_count, limit)
+    gate = _gate_share([source[1]], target[1], preset, options, thread_count)
+    s, t = as_surfaces([source, target], thread_count, part_of(progress, 0.0, gate))
     marks = to_landmarks(landmarks, s.vertices, t.vertices)
 
     found = _native.match(
@@ -109,18 +137,38 @@ def match(
         threads=thread_count,
         seed=seed_value,
         memory_limit=limit,
-        progress=_part(progress, gate, 1.0),
+        progress=part_of(progress, gate, 1.0),
     )
     correspondences = [Correspondence.from_native(item, t.faces, len(t.vertices)) for item in found.correspondences]
     report = Report.from_native(found.report, preset, seed_value, options)
     return Match(correspondences[0], correspondences[1:], report)
 
 
-def _part(progress: ProgressCallback | None, begin: float, end: float) -> ProgressCallback | None:
-    """The same callback for a part of the whole; fractions of 1 stay exact."""
-    if progress is None:
-        return None
-    return lambda stage, fraction: progress(stage, max(begin, end - (end - begin) * (1.0 - fraction)))
+def make_surfaces(
+    sources: Sequence[tuple[str, Any]],
+    target: tuple[str, Any],
+    *,
+    preset: str = "default",
+    threads: int | None = None,
+    progress: ProgressCallback | None = None,
+) -> tuple[list[Surface], Surface, ProgressCallback | None]:
+    """Check several sources and the target they are going to be matched with, side by side; (name, surface) each.
+
+    Returns them with what is left of the progress: the callback that takes it from where this left it to its end.
+    """
+    thread_count = 0 if threads is None else to_int(threads, "threads", 1, 1024)
+    share = _gate_share([value for _, value in sources], target[1], preset, {}, thread_count)
+    *made, last = as_surfaces([*sources, target], thread_count, part_of(progress, 0.0, share))
+    return made, last, part_of(progress, share, 1.0)
+
+
+def _gate_share(sources: Sequence[Any], target: Any, preset: str, options: dict[str, Any], threads: int) -> float:
+    """Part of the time of matching all sources with the target that is spent on making surfaces of raw arrays."""
+    raw = [_size(value) for value in (*sources, target) if not isinstance(value, Surface)]
+    if not raw:
+        return 0.0
+    share = _native.gate_share(raw, _size(sources[0]), _size(target), preset, options, threads)
+    return share / (share + len(sources) * (1.0 - share))
 
 
 def _size(value: Any) -> tuple[int, int]:

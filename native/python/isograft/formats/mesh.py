@@ -79,14 +79,19 @@ class MeshFile:
         """What the reader passed over: a sentence each, with counts."""
         return self.polygons.warnings
 
+    @property
+    def parts(self) -> tuple[Floats, Ints | None, Floats | None]:
+        """What a Surface is made of: vertices, triangles or None for a point cloud, and a cloud's normals."""
+        if len(self.polygons.sizes):
+            return self.vertices, self.faces, None
+        return self.vertices, None, self.normals
+
     def surface(self) -> Surface:
         """The checked surface, a point cloud if the file has no faces.
 
         Raises InvalidInput naming the file if it cannot be used as one.
         """
         try:
-            if len(self.polygons.sizes):
-                return Surface(self.vertices, self.faces)
-            return Surface(self.vertices, None, self.normals)
+            return Surface(*self.parts)
         except InvalidInput as error:
             raise InvalidInput(f"{self.path}: {error}") from None

@@ -8,11 +8,11 @@ from isograft.transfer.arrays import Progress
 
 
 def part_of(progress: Progress | None, start: float, end: float) -> Progress | None:
-    """What the compiled part may call as if its work were all of it."""
+    """The same callback for a part of the whole, to be called as if that were all of it; fractions of 1 stay exact."""
     if progress is None:
         return None
     report = progress
-    return lambda stage, fraction: report(stage, start + (end - start) * fraction)
+    return lambda stage, fraction: report(stage, max(start, end - (end - start) * (1.0 - fraction)))
 
 
 def tell(progress: Progress | None, stage: str, fraction: float) -> None:
