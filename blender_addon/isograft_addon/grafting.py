@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What object.isograft_transfer computes, whole, before it writes."""
 
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import bpy
@@ -15,7 +16,9 @@ from .matching import Messages
 from .pairing import Pair
 from .settings import Names, Settings
 
-__all__ = ["Graft", "Settings", "prepare", "transfer_all"]
+__all__ = ["Graft", "Settings", "TransferTask", "prepare"]
+
+Progress = Callable[[str, float], bool]
 
 FILLED = "isograft_filled"
 """Point attribute on the receiver: True where what was received is completed, not found."""
@@ -43,17 +46,32 @@ class Graft:
     kinds: list[Kind]
     messages: Messages = field(default_factory=list)
 
-    def compute(self) -> None:
-        """All of it; nothing is written."""
+    def compute(self, progress: Progress) -> None:
+        """All of it; touches no object of Blender's."""
         with pairing.named(self.pair.name):
-            for kind in self.kinds:
-                kind.compute()
+            for index, kind in enumerate(self.kinds):
+
+                def report(_: str, part: float, index: int = index, kind: Kind = kind) -> bool:
+                    return progress(f"{self.pair.name}: {kind.noun}s", (index + part) / len(self.kinds))
+
+                kind.run(report)
         self.messages = [("WARNING", text) for text in self.pair.arrays.warnings]
         self.messages += [("WARNING", text) for kind in self.kinds for text in kind.warnings]
         if self._filled.any():
             self.messages.append(("WARNING", filled_text(self.pair.name, self._filled)))
         parts = [text for kind in self.kinds if (text := kind.summary())]
         self.messages.append(("INFO", f"{self.pair.name}: received {' and '.join(parts) or 'nothing'}"))
+
+    def find_again(self, depsgraph: Any, content_hash: str, donor: Any) -> None:
+        """Look for the objects anew, as they may have moved in memory while compute() ran.
+
+        Raises:
+            RefusedError: the receiver is gone, or another mesh than that of `content_hash`.
+        """
+        receiver = pairing.unchanged(self.pair, depsgraph, content_hash)
+        self.pair = replace(self.pair, receiver=receiver, donor=replace(self.pair.donor, obj=donor))
+        for kind in self.kinds:
+            kind.pair = self.pair
 
     def write(self) -> Messages:
         """Write it all; returns what to report."""
@@ -68,42 +86,72 @@ class Graft:
         return np.any([kind.filled for kind in self.kinds], axis=0)
 
 
-def prepare(donor: Any, receivers: list[Any], context: bpy.types.Context, settings: Settings) -> list[Graft]:
-    """Compute what every receiver gets; changes nothing.
+@dataclass(frozen=True)
+class TransferTask:
+    """What all receivers of a run get."""
+
+    donor_name: str
+    grafts: list[Graft]
+    cuts: list[list[Cut]]
+    """Of every receiver, to be made before it is written to."""
+    hashes: list[str]
+    """Of the receivers' meshes before any cut."""
+
+    def task(self) -> "TransferTask":
+        """The part that needs no Blender: run()."""
+        return self
+
+    def run(self, progress: Progress) -> list[Graft]:
+        """Compute everything."""
+        for index, graft in enumerate(self.grafts):
+
+            def report(text: str, part: float, index: int = index) -> bool:
+                return progress(text, (index + part) / len(self.grafts))
+
+            graft.compute(report)
+        return self.grafts
+
+    def write(self, grafts: list[Graft]) -> Messages:
+        """Cut and write what run() returned; returns what to report.
+
+        Raises:
+            RefusedError: an object was removed or changed meanwhile; nothing is written.
+        """
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        donor = bpy.data.objects.get(self.donor_name)
+        if donor is None:
+            raise RefusedError(f"{self.donor_name} was removed or renamed meanwhile; nothing was written")
+        for graft, content_hash in zip(grafts, self.hashes, strict=True):
+            graft.find_again(depsgraph, content_hash, donor)
+        messages: Messages = []
+        for graft, made in zip(grafts, self.cuts, strict=True):
+            for cut in made:
+                cut.apply(graft.pair.receiver)
+            messages += [*_cut_messages(graft.pair.name, donor.name, made), *graft.write()]
+        return messages
+
+
+def prepare(donor: Any, receivers: list[Any], context: bpy.types.Context, settings: Settings) -> TransferTask:
+    """Read everything a transfer needs, and find where to cut; changes nothing.
 
     Raises:
         RefusedError: the donor lacks what is asked for, or a receiver's match is missing or no longer fits.
     """
     if not settings.what:
         raise RefusedError("Nothing to transfer; choose what the receivers are to get")
-    grafts = _read(donor, receivers, context, settings)
-    for graft in grafts:
-        graft.compute()
-    return grafts
-
-
-def transfer_all(donor: Any, receivers: list[Any], context: bpy.types.Context, settings: Settings) -> Messages:
-    """Compute everything for all receivers, then write; returns what to report.
-
-    Raises:
-        RefusedError: as prepare(); nothing was changed.
-    """
     cuts: list[list[Cut]] = [[] for _ in receivers]
-    if settings.cut_seams and "UV" in settings.what:
-        for obj in receivers:
-            bridge.refuse_unwritable(obj)
-        # Found and transferred on copies of the meshes, so that all is known before the first write.
-        with bridge.trial(receivers):
-            cuts = _cut(donor, receivers, context, settings)
-            grafts = prepare(donor, receivers, context, settings)
-    else:
-        grafts = prepare(donor, receivers, context, settings)
-    messages: Messages = []
-    for graft, made in zip(grafts, cuts, strict=True):
-        for cut in made:
-            cut.apply(graft.pair.receiver)
-        messages += [*_cut_messages(graft.pair.name, donor.name, made), *graft.write()]
-    return messages
+    if not (settings.cut_seams and "UV" in settings.what):
+        grafts = _read(donor, receivers, context, settings)
+        return TransferTask(donor.name, grafts, cuts, [graft.pair.arrays.content_hash for graft in grafts])
+    for obj in receivers:
+        bridge.refuse_unwritable(obj)
+    depsgraph = context.evaluated_depsgraph_get()
+    hashes = [bridge.read_receiver(obj, depsgraph).content_hash for obj in receivers]
+    # Found on copies of the meshes, which are read when cut: so all is known before the first write.
+    with bridge.trial(receivers):
+        cuts = _cut(donor, receivers, context, settings)
+        grafts = _read(donor, receivers, context, settings)
+    return TransferTask(donor.name, grafts, cuts, hashes)
 
 
 def _read(donor: Any, receivers: list[Any], context: bpy.types.Context, settings: Settings) -> list[Graft]:

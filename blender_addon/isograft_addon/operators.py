@@ -156,19 +156,23 @@ class OBJECT_OT_isograft_match(_Modal, bpy.types.Operator):
         return matching.plan(*participants(context), context, properties.match_options(self.properties))
 
 
-class OBJECT_OT_isograft_transfer(_DonorToReceivers, bpy.types.Operator):
+class OBJECT_OT_isograft_transfer(_Modal, bpy.types.Operator):
     """Graft what the active object carries onto the other selected objects, along their match"""
 
     bl_idname = "object.isograft_transfer"
     bl_label = "Transfer"
+    verb = "Transfer"
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        """Compute everything for all receivers, then write."""
-        donor, receivers = participants(context)
-        try:
-            return self.tell(grafting.transfer_all(donor, receivers, context, Settings.of(self.properties)))
-        except _REFUSALS as error:
-            return self.fail(error)
+        """Transfer in the calling thread."""
+        return self._run(context)
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Transfer in a worker thread."""
+        return self._start(context)
+
+    def _plan(self, context: bpy.types.Context) -> grafting.TransferTask:
+        return grafting.prepare(*participants(context), context, Settings.of(self.properties))
 
 
 class OBJECT_OT_isograft_bake(_Modal, bpy.types.Operator):

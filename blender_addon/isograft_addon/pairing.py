@@ -101,8 +101,11 @@ def make(donor: Any, receivers: list[Any], context: bpy.types.Context, min_confi
     return [_pair(obj, giving, min_confidence) for obj in receivers]
 
 
-def unchanged(pair: Pair, depsgraph: Any) -> Any:
+def unchanged(pair: Pair, depsgraph: Any, content_hash: str | None = None) -> Any:
     """The receiver of a pair, found again by name after a job.
+
+    Args:
+        content_hash: what its mesh must be, if not what the pair knows.
 
     Raises:
         RefusedError: it is gone, or its mesh is another.
@@ -110,7 +113,7 @@ def unchanged(pair: Pair, depsgraph: Any) -> Any:
     obj = bpy.data.objects.get(pair.name)
     if obj is None or obj.type != "MESH":
         raise RefusedError(f"{pair.name} was removed or renamed meanwhile; nothing was written")
-    if bridge.read_receiver(obj, depsgraph).content_hash != pair.arrays.content_hash:
+    if bridge.read_receiver(obj, depsgraph).content_hash != (content_hash or pair.arrays.content_hash):
         raise RefusedError(f"{pair.name} was edited meanwhile; nothing was written")
     return obj
 

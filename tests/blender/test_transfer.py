@@ -104,11 +104,15 @@ def test_the_operator_writes_the_uvs_that_the_plain_api_returns(matched: Matched
 def test_faces_with_an_unmatched_corner_get_zero_uvs_and_the_report_counts_them(matched: MatchedPair) -> None:
     unmatch(matched, matched.directions[:, 0] > 0.5)
     vertices, polygons = loops_of(matched.receiver)
-    prepared = add_on("grafting").prepare(
-        matched.donor,
-        [matched.receiver],
-        bpy.context,
-        add_on("grafting").Settings({"UV"}, 0.0, False, False),
+    prepared = (
+        add_on("grafting")
+        .prepare(
+            matched.donor,
+            [matched.receiver],
+            bpy.context,
+            add_on("grafting").Settings({"UV"}, 0.0, False, False),
+        )
+        .run(lambda doing, fraction: True)
     )
     graft(matched)
     touched = np.unique(polygons[values(matched.receiver, "isograft_face", "value")[vertices] < 0])

@@ -64,7 +64,7 @@ def test_esc_cancels_soon_and_leaves_everything_as_it_was(seen: dict[str, Any]) 
 
 
 def test_one_undo_takes_a_transfer_with_its_cuts_back_and_keeps_the_match(seen: dict[str, Any]) -> None:
-    assert seen["transferred"] == ["FINISHED"]
+    assert seen["transferred"] == ["RUNNING_MODAL"]
     assert seen["cut"] > 50
     assert seen["received"] == ["Atlas"]
     assert seen["one_undo_takes_the_transfer_back"]

@@ -177,7 +177,7 @@ def session() -> Iterator[float]:
         seen["transferred"] = sorted(
             bpy.ops.object.isograft_transfer("INVOKE_DEFAULT", True, what={"UV", "COLOR"}, cut_seams=True)
         )
-    yield 0.5
+    yield from wait_for_end()
     seen["cut"] = len(bpy.data.objects["Scan"].data.polygons) - faces
     seen["received"] = sorted(bpy.data.objects["Scan"].data.uv_layers.keys())
     undo()

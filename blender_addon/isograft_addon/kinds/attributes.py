@@ -55,6 +55,7 @@ class Attributes(Kind):
         return [f"{layer.name} ({_WORDS[layer.domain]})" for layer in self._moved]
 
     def _points(self, values: Array) -> Array:
+        self.step(len(self._layers))
         moved = transfer.transfer_point(self.pair.correspondence, self.pair.given.triangles, values)
         result = moved.values
         result[~moved.mask] = np.zeros((), result.dtype)
@@ -64,7 +65,7 @@ class Attributes(Kind):
         return result
 
     def _corners(self, values: Array) -> Array:
-        return self.pair.to_loops(*self.move_corners(transfer.transfer_corner, values))
+        return self.pair.to_loops(*self.move_corners(transfer.transfer_corner, values, len(self._layers)))
 
     def _faces(self, values: Array) -> Array:
         pair = self.pair
@@ -74,6 +75,7 @@ class Attributes(Kind):
             values,
             receiver_polygons=pair.own.polygons,
             donor_polygons=pair.given.polygons,
+            progress=self.step(len(self._layers)),
         )
         result = moved.values
         if self.settings.fill:
@@ -93,6 +95,7 @@ class Attributes(Kind):
             donor_triangles,
             self._edges,
             values,
+            progress=self.step(len(self._layers)),
         )
         return moved.values
 

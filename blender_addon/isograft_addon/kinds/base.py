@@ -4,12 +4,15 @@
 from collections.abc import Callable
 from typing import Any, ClassVar
 
+import isograft
 import numpy as np
 
 from ..bridge import Array
 from ..pairing import Donor, Pair
 from ..settings import Names, Settings
 from .filling import fill_corners
+
+Progress = Callable[[str, float], bool]
 
 MANY = 6
 """More names than this are counted instead of listed."""
@@ -31,6 +34,8 @@ class Kind:
         self.warnings: list[str] = []
         self.filled: Array = np.zeros(len(pair.own.vertices), dtype=bool)
         """Receiver vertices that got values though they are unmatched."""
+        self._progress: Progress | None = None
+        self._done = 0
 
     @classmethod
     def read(cls, donor: Donor, settings: Settings) -> Any:
@@ -41,9 +46,25 @@ class Kind:
         """
         raise NotImplementedError
 
+    def run(self, progress: Progress | None = None) -> None:
+        """compute(), with what is done in [0, 1]; a False from `progress` raises isograft.Cancelled."""
+        self._progress, self._done = progress, 0
+        self.compute()
+
     def compute(self) -> None:
         """Work out what the receiver gets; touches no object of Blender's."""
         raise NotImplementedError
+
+    def step(self, parts: int = 1) -> Progress:
+        """What to pass to the next of so many long calls of compute() as its progress."""
+        begin, self._done = self._done / parts, self._done + 1
+
+        def report(stage: str, fraction: float) -> bool:
+            return self._progress is None or self._progress(stage, min(1.0, begin + fraction / parts))
+
+        if not report(self.noun, 0.0):
+            raise isograft.Cancelled("cancelled by the caller")
+        return report
 
     def write(self) -> None:
         """Give it to the receiver."""
@@ -54,9 +75,11 @@ class Kind:
         raise NotImplementedError
 
     def move_corners(
-        self, move: Callable[..., Any], values: Array, complete: Callable[..., Any] = fill_corners
+        self, move: Callable[..., Any], values: Array, parts: int = 1, complete: Callable[..., Any] = fill_corners
     ) -> tuple[Array, Array]:
         """Values (l, ...) of the donor's loops moved by a function of isograft.transfer, and filled if wanted.
+
+        One of so many parts of this kind's work.
 
         Returns:
             Rows per corner of the receiver's triangles, and which triangles (F,) have any.
@@ -67,6 +90,7 @@ class Kind:
             *pair.geometry(),
             values[pair.given.corners],
             receiver_polygons=pair.own.polygons,
+            progress=self.step(parts),
         )
         if not self.settings.fill:
             return moved[0], moved.mask

@@ -55,6 +55,7 @@ class Colors(Kind):
         return [layer.name for layer in self._moved]
 
     def _points(self, layer: CornerLayer) -> Array:
+        self.step(len(self._layers))
         moved = transfer.transfer_point(self.pair.correspondence, self.pair.given.triangles, layer.values)
         values = np.where(moved.mask[:, None], moved.values, 0.0)
         if self.settings.fill:
@@ -64,4 +65,4 @@ class Colors(Kind):
         return values
 
     def _corners(self, layer: CornerLayer) -> Array:
-        return self.pair.to_loops(*self.move_corners(transfer.transfer_corner, layer.values))
+        return self.pair.to_loops(*self.move_corners(transfer.transfer_corner, layer.values, len(self._layers)))

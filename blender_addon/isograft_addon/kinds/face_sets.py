@@ -54,6 +54,7 @@ class FaceSets(Kind):
             self.gift,
             receiver_polygons=pair.own.polygons,
             donor_polygons=pair.given.polygons,
+            progress=self.step(),
         )
         self._sets = np.where(moved.mask, moved.values, self._sets)
         if self.settings.fill:

@@ -64,6 +64,7 @@ class Groups(Kind):
     def compute(self) -> None:
         """Move, fill, mix, limit, normalise."""
         pair, settings = self.pair, self.settings
+        self.step()
         moved = transfer.transfer_weights(pair.correspondence, pair.given.triangles, self.gift.weights)
         values, self._rows = np.asarray(moved.values), np.asarray(moved.mask)
         if settings.fill:

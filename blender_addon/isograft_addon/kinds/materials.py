@@ -25,7 +25,9 @@ class Slots:
     own: list[Any]
     index: Array
     """(p,) slots of the receiver's polygons."""
+    given_names: list[str]
     names: list[str] = field(default_factory=list)
+    """Of the materials that the receiver gets."""
 
     @classmethod
     def read(cls, pair: Pair) -> "Slots | None":
@@ -36,7 +38,12 @@ class Slots:
         with pair.donor.mesh() as mesh:
             given = bridge.polygon_materials(mesh)
         return cls(
-            pair, materials, given, list(pair.receiver.data.materials), bridge.own_polygon_materials(pair.receiver)
+            pair,
+            materials,
+            given,
+            list(pair.receiver.data.materials),
+            bridge.own_polygon_materials(pair.receiver),
+            [material.name for material in materials if material is not None],
         )
 
     @property
@@ -65,7 +72,7 @@ class Slots:
         face = pair.correspondence.face[first[polygons]]
         found = np.clip(self.given[pair.given.polygons[face]], 0, len(self.materials) - 1)
         self.index[polygons] = np.where(face >= 0, slot_of[found], self.index[polygons])
-        self.names = [material.name for material in self.materials if material is not None]
+        self.names = self.given_names
         known = polygons.copy()
         known[polygons] = face >= 0
         completed, filled = fill_faces(pair, self.index, known)

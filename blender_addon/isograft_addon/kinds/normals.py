@@ -39,7 +39,7 @@ class Normals(Kind):
         # A normal goes with the inverse of the transposed matrix that a point goes with.
         seen = self.gift @ np.linalg.inv(pair.donor.arrays.linear)
         seen /= np.maximum(np.linalg.norm(seen, axis=1, keepdims=True), 1e-30)
-        normals, mask = self.move_corners(transfer.transfer_normals, seen, fill_normals)
+        normals, mask = self.move_corners(transfer.transfer_normals, seen, complete=fill_normals)
         own = pair.to_loops(normals, mask) @ pair.arrays.linear
         self._normals = own / np.maximum(np.linalg.norm(own, axis=1, keepdims=True), 1e-30)
         whole = pair.whole_polygons(mask)

@@ -50,7 +50,7 @@ class UVMaps(Kind):
         """UVs per loop, 0 where unmatched."""
         pair = self.pair
         for layer, name in zip(self._layers, self._targets, strict=True):
-            uv, mask = self.move_corners(transfer.transfer_corner_uv, layer.values)
+            uv, mask = self.move_corners(transfer.transfer_corner_uv, layer.values, len(self._layers))
             self._has_uv = pair.whole_polygons(mask)
             if self._mark and layer is self._seam_layer():
                 self._seams = self._edges(uv, mask)

@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A transfer as the job that a window runs it as: read, computed in a worker, written."""
+
+from typing import Any
+
+import bpy
+import isograft
+import numpy as np
+import pytest
+from conftest import add_on
+from scenes import MatchedPair, add_color, select, snapshot, values
+
+
+def task_of(matched: MatchedPair, **settings: Any) -> Any:
+    grafting = add_on("grafting")
+    chosen = {"what": {"UV", "COLOR"}, "min_confidence": 0.0} | settings
+    return grafting.prepare(matched.donor, [matched.receiver], bpy.context, grafting.Settings(**chosen))
+
+
+def in_a_worker(task: Any) -> list[Any]:
+    job = add_on("job").Job(task.task())
+    job.start()
+    job.join(60)
+    assert not job.is_running()
+    return job.result()
+
+
+@pytest.mark.parametrize("cut_seams", [False, True])
+def test_a_worker_gives_what_the_operator_gives(matched: MatchedPair, cut_seams: bool) -> None:
+    before = snapshot(matched.receiver)
+    mesh = matched.receiver.data.copy()
+    content = matched.receiver["isograft"].to_dict()
+    task = task_of(matched, cut_seams=cut_seams)
+    assert snapshot(matched.receiver) == before  # read, and nothing changed
+    found = in_a_worker(task)
+    assert snapshot(matched.receiver) == before  # computed, and nothing changed
+    messages = task.write(found)
+    assert any(level == "INFO" and "received" in text for level, text in messages)
+    after = snapshot(matched.receiver)
+    assert after != before
+
+    name, old = mesh.name, matched.receiver.data
+    matched.receiver.data = mesh
+    bpy.data.meshes.remove(old)
+    mesh.name = name
+    matched.receiver["isograft"] = content
+    bpy.context.view_layer.update()
+    select(matched.donor, matched.receiver)
+    assert bpy.ops.object.isograft_transfer(what={"UV", "COLOR"}, cut_seams=cut_seams) == {"FINISHED"}
+    again = snapshot(matched.receiver)
+    assert {key for key in after if after[key] != again[key]} == set()
+
+
+def test_its_progress_rises_over_kinds_and_layers_and_names_them(matched: MatchedPair) -> None:
+    add_color(matched.donor, "More", "FLOAT_COLOR", "CORNER", np.ones((len(matched.donor.data.loops), 4)))
+    told: list[tuple[str, float]] = []
+
+    def note(doing: str, fraction: float) -> bool:
+        told.append((doing, fraction))
+        return True
+
+    task_of(matched).run(note)
+    fractions = [fraction for _, fraction in told]
+    assert fractions == sorted(fractions)
+    assert 0.0 <= fractions[0] < 0.1
+    assert 0.7 < fractions[-1] <= 1.0
+    assert {doing for doing, _ in told} == {"Scan: UV maps", "Scan: colour attributes"}
+
+
+@pytest.mark.parametrize("calls", [1, 2, 5])
+def test_it_can_be_cancelled_at_any_call_and_changes_nothing(matched: MatchedPair, calls: int) -> None:
+    before = snapshot(matched.receiver)
+    left = [calls]
+
+    def stop(doing: str, fraction: float) -> bool:
+        left[0] -= 1
+        return left[0] > 0
+
+    task = task_of(matched)
+    with pytest.raises(isograft.Cancelled):
+        task.run(stop)
+    assert left[0] <= 0
+    assert snapshot(matched.receiver) == before
+
+
+def test_what_was_edited_or_removed_while_it_ran_is_refused_and_nothing_written(matched: MatchedPair) -> None:
+    task = task_of(matched)
+    found = in_a_worker(task)
+    matched.receiver.data.vertices[3].co.x += 0.25
+    matched.receiver.data.update()
+    bpy.context.view_layer.update()
+    before = snapshot(matched.receiver)
+    with pytest.raises(add_on("bridge").RefusedError, match="Scan was edited meanwhile; nothing was written"):
+        task.write(found)
+    assert snapshot(matched.receiver) == before
+    bpy.data.objects.remove(matched.donor)
+    with pytest.raises(add_on("bridge").RefusedError, match="Donor was removed or renamed meanwhile"):
+        task.write(found)
+    assert "Atlas" not in matched.receiver.data.uv_layers
+    assert values(matched.receiver, "isograft_face", "value").size
