@@ -69,10 +69,12 @@ void bind_bake(py::module_& m) {
             std::vector<BakeChannel> given;
             for (const ChannelTuple& channel : channels) given.push_back(to_channel(channel, width, height));
             std::uint8_t* texels = mask.mutable_data();
+            Mask baked;
             run_with_progress(progress, [&](Monitor& monitor) {
-                bake(correspondence, {own, own_faces, no_polygons}, corner_uv, chosen, {other, other_faces}, materials,
-                     given, options, texels, &monitor);
+                baked = bake(correspondence, {own, own_faces, no_polygons}, corner_uv, chosen, {other, other_faces},
+                             materials, given, options, texels, &monitor);
             });
+            return py::array_t<bool>(baked.size(), baked.data());
         },
         py::arg("face"), py::arg("barycentric"), py::arg("vertex"), py::arg("receiver_vertices"),
         py::arg("receiver_faces"), py::arg("receiver_uv"), py::arg("wanted"), py::arg("donor_vertices"),

@@ -7,6 +7,7 @@
 #include "geodesic/shoot.h"
 #include "geodesic/window.h"
 #include "shapes.h"
+#include "twins.h"
 
 namespace isograft {
 namespace {
@@ -16,7 +17,25 @@ const TriangleMesh& body(int levels) {
     return levels == 4 ? small : large;
 }
 
-// The cost unit of whole matches is a number of these.
+// The cost unit that whole matches are held to: one full window from every working-level sample of both surfaces.
+void cost_unit(benchmark::State& state) {
+    const Pair& pair = Twins::of_a_blob().pair();
+    std::int64_t windows = 0;
+    for (auto _ : state) {
+        for (const SampledMesh* side : {&pair.source, &pair.target}) {
+            Window window(side->mesh);
+            for (const SurfacePoint& centre : side->samples.point) {
+                window.run(centre, std::numeric_limits<double>::infinity());
+                benchmark::DoNotOptimize(window.reached().size());
+                ++windows;
+            }
+        }
+    }
+    state.SetItemsProcessed(windows);
+}
+BENCHMARK(cost_unit)->Unit(benchmark::kMillisecond);
+
+// A number of these is the cost unit.
 void full_window(benchmark::State& state) {
     const TriangleMesh& mesh = body(static_cast<int>(state.range(0)));
     Window window(mesh);

@@ -75,8 +75,9 @@ enum class Texel : std::uint8_t { nothing = 0, baked = 1, margin = 2, filled = 3
 /// \param receiver_uv 3 #F(receiver) by 2. \param wanted #F(receiver): which triangles, or empty for all.
 /// \param materials #F(donor): index into BakeChannel::images. \param mask height by width of Texel.
 /// \param monitor may be null.
+/// \return #F(receiver): the triangles that were baked, in whatever texels they have.
 /// \throw InvalidInput on sizes, indices or values that do not fit; Cancelled, with some texels written.
-void bake(const Correspondence& correspondence, const ReceiverMesh& receiver, const CornerUV& receiver_uv,
+Mask bake(const Correspondence& correspondence, const ReceiverMesh& receiver, const CornerUV& receiver_uv,
           const Mask& wanted, const DonorMesh& donor, const Eigen::VectorXi& materials,
           const std::vector<BakeChannel>& channels, const BakeOptions& options, std::uint8_t* mask,
           Monitor* monitor = nullptr);

@@ -218,7 +218,7 @@ def bake(
     mask: npt.NDArray[np.uint8],
     threads: int,
     progress: Callable[[str, float], Any] | None,
-) -> None: ...
+) -> npt.NDArray[np.bool_]: ...
 def paint(
     uv: npt.NDArray[np.float64],
     wanted: npt.NDArray[np.bool_],

@@ -202,7 +202,7 @@ void BakeOptions::validate() const {
     check("threads", threads, 0, std::numeric_limits<int>::max());
 }
 
-void bake(const Correspondence& correspondence, const ReceiverMesh& receiver, const CornerUV& receiver_uv,
+Mask bake(const Correspondence& correspondence, const ReceiverMesh& receiver, const CornerUV& receiver_uv,
           const Mask& wanted, const DonorMesh& donor, const Eigen::VectorXi& materials,
           const std::vector<BakeChannel>& channels, const BakeOptions& options, std::uint8_t* mask, Monitor* monitor) {
     options.validate();
@@ -255,6 +255,7 @@ void bake(const Correspondence& correspondence, const ReceiverMesh& receiver, co
         for (const BakeChannel& channel : channels) copy_texel(channel, channel.components, from, to);
     };
     dilate_bands(bands, mask, options, copy, watched, share_of_reading, 1.0);
+    return Eigen::Map<const Eigen::Array<char, Eigen::Dynamic, 1>>(used.data(), receiver.faces.rows()).cast<bool>();
 }
 
 }  // namespace isograft

@@ -102,6 +102,36 @@ TEST(Locate, FindsThePointOfTheSameWeightsUnderARenumbering) {
     }
 }
 
+TEST(Bake, TellsTheTrianglesInWhichEveryPointIsFound) {
+    Scene scene;
+    const auto count = scene.shape.faces.rows();
+    Correspondence map = maps::identity(scene.shape);
+    for (const int v : {0, 9, 20}) map.face[v] = map.vertex[v] = -1;
+    const SurfacePoints centres{Eigen::VectorXi::LinSpaced(count, 0, static_cast<int>(count) - 1),
+                                Points::Constant(count, 3, 1.0 / 3.0)};
+    const SurfacePoints found = locate(map, {scene.shape.vertices, scene.shape.faces, no_polygons},
+                                       {scene.shape.vertices, scene.shape.faces}, centres);
+    Mask wanted(count);
+    for (Eigen::Index f = 0; f < count; ++f) wanted[f] = f % 5 != 0;
+    for (const Mask& chosen : {all_triangles, wanted}) {
+        std::vector<float> result(2 * 16 * 16);
+        std::vector<std::uint8_t> mask(16 * 16);
+        BakeChannel channel;
+        channel.components = 2;
+        channel.images = {Pixels{nullptr, scene.texture.data(), 16, 16}};
+        channel.uv = scene.uv;
+        channel.reals = result.data();
+        const Mask baked = bake(map, {scene.shape.vertices, scene.shape.faces, no_polygons}, scene.uv, chosen,
+                                {scene.shape.vertices, scene.shape.faces}, Eigen::VectorXi::Zero(count), {channel},
+                                {16, 16, 0, 1}, mask.data());
+        ASSERT_EQ(baked.rows(), count);
+        EXPECT_LT(baked.count(), count);
+        for (int f = 0; f < count; ++f) {
+            EXPECT_EQ(baked[f], found.face[f] >= 0 && (chosen.rows() == 0 || chosen[f]));
+        }
+    }
+}
+
 TEST(TangentFrames, PointAlongGrowingUAndKnowMirroredUvs) {
     Scene scene;
     const TangentFrames plain = tangent_frames(scene.shape.vertices, scene.shape.faces, scene.uv);

@@ -22,7 +22,6 @@ from isograft.transfer.arrays import (
     triangle_rows,
     value_columns,
 )
-from isograft.transfer.attributes import locate
 from isograft.transfer.image_filling import fill_images
 from isograft.transfer.progress import part_of
 
@@ -144,7 +143,7 @@ def bake(
     vertices, donor = point_rows(receiver_vertices, "receiver_vertices"), point_rows(donor_vertices, "donor_vertices")
     layout = value_columns(corner_rows(receiver_uv, len(own_faces), "receiver_uv"))
     wanted = np.zeros(0, bool) if receiver_mask is None else np.ascontiguousarray(receiver_mask, bool)
-    _native.bake(
+    known = _native.bake(
         *correspondence_arrays(correspondence),
         vertices,
         own_faces,
@@ -163,14 +162,9 @@ def bake(
     )
     filled = np.zeros(len(own_faces), bool)
     if fill:
-        count = len(own_faces)
-        centre = locate(
-            correspondence, vertices, own_faces, donor, faces, np.arange(count, dtype=np.int32),
-            np.full((count, 3), 1.0 / 3.0), threads=threads, progress=part_of(progress, 0.7, 0.8),
-        )  # fmt: skip
         filled = fill_images(
-            vertices, own_faces, layout, (centre.face >= 0) & (receiver_mask is None or wanted), results, mask,
-            [channel.kind == "normal" for channel in chosen], texels, threads or 0, part_of(progress, 0.8, 1.0),
+            vertices, own_faces, layout, known, results, mask,
+            [channel.kind == "normal" for channel in chosen], texels, threads or 0, part_of(progress, 0.7, 1.0),
         )  # fmt: skip
     return Baked(results, mask, filled)
 
