@@ -13,7 +13,7 @@ import surfaces
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from benchmarks import performance, scaling
+from benchmarks import cancelling, performance, scaling
 from benchmarks.refine import refined
 
 
@@ -94,3 +94,13 @@ def test_a_size_that_failed_is_told_and_not_fitted(tmp_path):
     content = json.loads((tmp_path / "scaling.json").read_text())
     assert content["exponents"]["seconds"] == pytest.approx(1.0)
     assert "ended with -9" in (tmp_path / "scaling.md").read_text()
+
+
+def test_cancelled_matches_are_timed_from_the_wish_on_and_finished_ones_left_out() -> None:
+    blob = surfaces.blob(3)
+    row = cancelling.measure(blob, blob, np.random.default_rng(0), 3, preset="fast", threads=1)
+    assert row["cancelled"] <= 3
+    assert all(0.0 <= stop["seconds"] < 5.0 and 0.0 <= stop["fraction"] <= 1.0 for stop in row["stops"])
+    assert row["median"] <= row["p99"] <= row["worst"]["seconds"] + 1e-4
+    assert cancelling.stop_at(1e6, blob, blob, preset="fast", threads=1) is None
+    assert cancelling.stop_at(0.0, blob, blob, preset="fast", threads=1) is not None

@@ -32,7 +32,10 @@ template <class Item, class BucketOf, class Less>
 std::vector<Item> sort_by_buckets(std::vector<Item> items, int buckets, BucketOf bucket_of, Less less,
                                   Monitor& monitor) {
     std::vector<int> next(static_cast<std::size_t>(buckets) + 1, 0);
-    for (const Item& item : items) ++next[bucket_of(item) + 1];
+    for (std::size_t i = 0; i < items.size(); ++i) {
+        if (i % often == 0) monitor.check();
+        ++next[bucket_of(items[i]) + 1];
+    }
     std::partial_sum(next.begin(), next.end(), next.begin());
     monitor.check();
     std::vector<Item> sorted(items.size());

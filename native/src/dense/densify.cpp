@@ -11,6 +11,7 @@
 #include <string>
 
 #include "base/parallel.h"
+#include "base/sorting.h"
 #include "dense/cloud_rows.h"
 #include "geodesic/trace.h"
 #include "isograft/errors.h"
@@ -258,10 +259,12 @@ Correspondence densify(const PartialMap& map, const Pair& pair, const SampleNote
         return result;
     }
     for (int v = 0; v < fine_count; ++v) {
+        if (v % often == 0) monitor.check();
         const int row = source.fine().input_vertex[v];
         // A vertex that was split keeps its surer copy.
         if (images[v].confidence >= result.confidence[row]) write(row, images[v]);
     }
+    monitor.check();
     share_welded(result, source);
     return result;
 }

@@ -39,6 +39,7 @@ inline Edges collect_edges(const std::vector<Corners>& face, Monitor& monitor) {
     const int halfedges = static_cast<int>(loose.size());
     int vertices = 0;
     for (int h = 0; h < halfedges; ++h) {
+        if (h % often == 0) monitor.check();
         const int a = face[h / 3][h % 3], b = face[h / 3][(h % 3 + 1) % 3];
         loose[h] = {std::min(a, b), std::max(a, b), h};
         vertices = std::max(vertices, std::max(a, b) + 1);
@@ -47,7 +48,9 @@ inline Edges collect_edges(const std::vector<Corners>& face, Monitor& monitor) {
     edges.item = sort_by_buckets(
         std::move(loose), vertices, [](const EdgeItem& e) { return e.low; }, std::less<EdgeItem>(), monitor);
     edges.group.reserve(edges.item.size() / 2);
+    int looked = 0;
     for (int i = 0; i < halfedges;) {
+        if (looked++ % often == 0) monitor.check();
         const EdgeItem& first = edges.item[i];
         int end = i + 1;
         while (end < halfedges && edges.item[end].low == first.low && edges.item[end].high == first.high) ++end;

@@ -18,7 +18,9 @@ namespace {
 void connect(TriangleMesh& mesh, Monitor& monitor) {
     const Edges edges = collect_edges(mesh.face, monitor);
     mesh.twin.assign(3 * mesh.face.size(), -1);
+    int looked = 0;
     for (const EdgeGroup& group : edges.group) {
+        if (looked++ % often == 0) monitor.check();
         if (group.end - group.begin != 2) continue;
         const int g = edges.item[group.begin].halfedge, h = edges.item[group.begin + 1].halfedge;
         // Only an edge of exactly two triangles that run along it in opposite ways can be walked across.
@@ -59,6 +61,7 @@ void split_fans(TriangleMesh& mesh, const std::vector<Eigen::Vector3d>& position
     // New vertices in the order of the old ones keep neighbours near each other in memory.
     std::vector<int> roots;
     for (int c = 0; c < corners; ++c) {
+        if (c % often == 0) monitor.check();
         if (find_root(parent, c) == c) roots.push_back(c);
     }
     roots = sort_by_buckets(
@@ -66,22 +69,28 @@ void split_fans(TriangleMesh& mesh, const std::vector<Eigen::Vector3d>& position
         monitor);
     std::vector<int> index(corners, -1);
     for (std::size_t i = 0; i < roots.size(); ++i) {
+        if (i % often == 0) monitor.check();
         index[roots[i]] = static_cast<int>(i);
         mesh.position.push_back(position[old_vertex[roots[i]]]);
         mesh.input_vertex.push_back(old_vertex[roots[i]]);
     }
-    for (int c = 0; c < corners; ++c) mesh.face[c / 3][c % 3] = index[find_root(parent, c)];
+    for (int c = 0; c < corners; ++c) {
+        if (c % often == 0) monitor.check();
+        mesh.face[c / 3][c % 3] = index[find_root(parent, c)];
+    }
 }
 
-void collect_fans(TriangleMesh& mesh) {
+void collect_fans(TriangleMesh& mesh, Monitor& monitor) {
     mesh.vertex_face_begin.assign(mesh.vertex_count() + 1, 0);
     for (const auto& f : mesh.face) {
         for (const int v : f) ++mesh.vertex_face_begin[v + 1];
     }
+    monitor.check();
     std::partial_sum(mesh.vertex_face_begin.begin(), mesh.vertex_face_begin.end(), mesh.vertex_face_begin.begin());
     mesh.vertex_face.resize(3 * mesh.face.size());
     std::vector<int> next(mesh.vertex_face_begin.begin(), mesh.vertex_face_begin.end() - 1);
     for (int f = 0; f < mesh.face_count(); ++f) {
+        if (f % often == 0) monitor.check();
         for (const int v : mesh.face[f]) mesh.vertex_face[next[v]++] = f;
     }
 }
@@ -91,6 +100,7 @@ void measure(TriangleMesh& mesh, Monitor& monitor) {
     mesh.length.resize(3 * faces);
     mesh.direction.resize(3 * faces);
     mesh.rotation.assign(3 * faces, Complex(1.0, 0.0));
+    monitor.check();
     mesh.corner.resize(faces);
     mesh.axis_x.resize(faces);
     mesh.axis_y.resize(faces);
@@ -98,6 +108,7 @@ void measure(TriangleMesh& mesh, Monitor& monitor) {
     mesh.vertex_area.assign(mesh.vertex_count(), 0.0);
     mesh.vertex_normal.assign(mesh.vertex_count(), Eigen::Vector3d::Zero());
     mesh.on_boundary.assign(mesh.vertex_count(), 0);
+    monitor.check();
     mesh.area = 0.0;
     double edges = 0.0;
     for (int f = 0; f < faces; ++f) {
@@ -125,6 +136,7 @@ void measure(TriangleMesh& mesh, Monitor& monitor) {
     mesh.mean_edge = edges / (3.0 * faces);
     for (auto& n : mesh.vertex_normal) n.normalize();
     for (int h = 0; h < 3 * faces; ++h) {
+        if (h % often == 0) monitor.check();
         if (mesh.twin[h] >= 0) {
             mesh.rotation[h] = -mesh.direction[mesh.twin[h]] * std::conj(mesh.direction[h]);
         } else {
@@ -136,11 +148,12 @@ void measure(TriangleMesh& mesh, Monitor& monitor) {
 
 double face_area(const TriangleMesh& mesh, int f) { return 0.5 * mesh.corner[f][1].real() * mesh.corner[f][2].imag(); }
 
-void label_components(TriangleMesh& mesh) {
+void label_components(TriangleMesh& mesh, Monitor& monitor) {
     const int faces = mesh.face_count();
     mesh.component.assign(faces, -1);
     std::vector<double> areas;
     std::vector<int> stack;
+    int labelled = 0;
     for (int seed = 0; seed < faces; ++seed) {
         if (mesh.component[seed] >= 0) continue;
         const int label = static_cast<int>(areas.size());
@@ -148,6 +161,7 @@ void label_components(TriangleMesh& mesh) {
         stack.assign(1, seed);
         mesh.component[seed] = label;
         while (!stack.empty()) {
+            if (labelled++ % often == 0) monitor.check();
             const int f = stack.back();
             stack.pop_back();
             areas[label] += face_area(mesh, f);
@@ -177,15 +191,16 @@ TriangleMesh build_mesh(const std::vector<Eigen::Vector3d>& position, const std:
     mesh.face = face;
     mesh.input_face = input_face;
     mesh.input_reversed = input_reversed;
+    monitor.check();
     connect(mesh, monitor);
     progress.reach(0.4);
     split_fans(mesh, position, monitor);
     progress.reach(0.6);
-    collect_fans(mesh);
+    collect_fans(mesh, monitor);
     progress.reach(0.7);
     measure(mesh, monitor);
     progress.reach(0.9);
-    label_components(mesh);
+    label_components(mesh, monitor);
     progress.reach(1.0);
     return mesh;
 }
