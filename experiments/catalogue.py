@@ -174,7 +174,7 @@ EXPERIMENTS = [
             "As can be seen, the method of Tevs et al. obtains better coverage, however our method has fewer "
             "outliers - islands of incorrectly mapped points within larger smoothly mapped regions.",
         ],
-        _of_data("pc_faust_033_037"),
+        _of_data("pc_faust_020_025", "pc_cat0_cat5", "pc_faust_033_037"),
         {**NOISY, "paper_threshold": 1.0},
     ),
     Experiment(

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numeric>
 #include <queue>
 #include <utility>
 
@@ -14,8 +15,8 @@ namespace isograft {
 
 namespace {
 
-// Maps of fewer vertices say nothing: one neighbourhood N1 has more.
-constexpr int least_vertices = 20;
+// A map that does not fill one cell of the top level, nor this share of S, has met a mismatch at once (section 3.3).
+constexpr double least_share = 0.1;
 // Grown at the same time, whatever the number of threads; redundancy is looked for between batches.
 constexpr int batch = 8;
 constexpr double same_angle = M_PI / 6.0;
@@ -209,6 +210,21 @@ class Flood {
     std::vector<std::vector<int>> over_;
 };
 
+double area_of(const Samples& samples, const PartialMap& map) {
+    double area = 0.0;
+    for (int s = 0; s < samples.count(); ++s) area += map.mapped[s] ? samples.area[s] : 0.0;
+    return area;
+}
+
+// Small maps agree with each other wherever they lie, since two images in a small region are never far apart; many of
+// them would be the densest cluster of all.
+double least_area(const VertexLevels& source) {
+    const Samples& samples = source.samples;
+    const int top = *std::max_element(samples.level.begin(), samples.level.end());
+    const double cell = M_PI / 4.0 * source.spacing(top) * source.spacing(top);
+    return std::min(cell, least_share * std::accumulate(samples.area.begin(), samples.area.end(), 0.0));
+}
+
 bool explained(const VertexLevels& source, const TriangleMesh& target, const std::vector<PartialMap>& maps,
                const OrientedMatch& match) {
     const Eigen::Vector3d x = position(target, match.point);
@@ -233,6 +249,7 @@ Floods flood_all(const VertexLevels& source, const TriangleMesh& target, const s
     // Those that wait, by the order of their scores: of redundant matches the surest come before what no cluster holds.
     std::vector<OrientedMatch> waiting;
     std::size_t next = 0, clustered = 0;
+    const double least = least_area(source);
     while (clustered < matches.size() && std::isfinite(matches[clustered].score)) ++clustered;
     const auto grow = [&](const std::vector<OrientedMatch>& chosen) {
         const double begin = from + (to - from) * result.tried / most;
@@ -243,7 +260,7 @@ Floods flood_all(const VertexLevels& source, const TriangleMesh& target, const s
             [&](int i, int /*worker*/) { grown[i] = flood(source, target, chosen[i], options, monitor); }, monitor,
             "growth", begin, from + (to - from) * result.tried / most);
         for (PartialMap& map : grown) {
-            if (map.count >= least_vertices) result.maps.push_back(std::move(map));
+            if (area_of(source.samples, map) >= least) result.maps.push_back(std::move(map));
         }
     };
     const auto room = [&] { return static_cast<std::size_t>(std::min(batch, most - result.tried)); };

@@ -32,7 +32,8 @@ PartialMap flood(const VertexLevels& source, const TriangleMesh& target, const O
 /// Maps of the first matches in their order, in which redundant ones move back.
 struct Floods {
     std::vector<PartialMap> maps;
-    /// Matches that were grown; maps of fewer vertices than one neighbourhood are not kept.
+    /// Matches that were grown. Maps that end before they fill a cell of the top level (at most a tenth of S) have
+    /// met a mismatch at once and are not kept: small ones would agree with each other wherever they lie.
     int tried = 0;
     int redundant = 0;
 };

@@ -18,9 +18,11 @@ struct FeaturePlaces {
 /// Oriented matches in the order in which to try them (section 4.2): by rising priority of the feature match, each
 /// with the direction that its surest neighbouring match gives, then again with the second and third surest.
 ///
-/// A neighbour (s', t') of (s, t) is worth d_init(s', t') + w_C |d_S(s, s') - d_T(t, t')|^2; it has to be at least
-/// `least_distance` away on both sides, since the direction to a point nearby is noise. Matches without a neighbour
-/// below `options.limit` have no direction and are left out.
+/// A neighbour (s', t') of (s, t) is worth d = d_init(s', t') + w_C |d_S(s, s') - d_T(t, t')|^2; it has to be at least
+/// `least_distance` away on both sides, since the direction to a point nearby is noise. The surest is the one whose
+/// direction has the greatest support: the sum of exp(-d), the probability that eq. 8 stands for, over the best matches
+/// of all features that agree with it within 30 degrees. Matches without a neighbour below `options.limit` have no
+/// direction and are left out.
 std::vector<OrientedMatch> feature_seeds(const std::vector<FeatureMatch>& matches, const FeaturePlaces& places,
                                          const FeatureGeodesics& source, const FeatureGeodesics& target,
                                          const ClusterOptions& options, double least_distance);

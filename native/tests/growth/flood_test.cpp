@@ -119,6 +119,17 @@ TEST(FloodAll, TriesMatchesThatAMapExplainsAfterTheOthers) {
     EXPECT_NE(flood_all(scene.levels, scene.target, matches, 11, {}, 2, monitor, 0.0, 1.0).maps.back().seed, 50);
 }
 
+TEST(FloodAll, KeepsNoMapThatEndsAtOnce) {
+    // Where T ends after a few edges every map does, whatever it is worth.
+    const Scene scene(shapes::grid(40, 40, 0.05, 0.05), shapes::grid(6, 6, 0.05, 0.05), Eigen::Matrix3d::Identity());
+    std::vector<OrientedMatch> matches;
+    for (int v = 400; v < 900; v += 50) matches.push_back(scene.match(v, 24));
+    Monitor monitor;
+    const Floods floods = flood_all(scene.levels, scene.target, matches, 200, {}, 2, monitor, 0.0, 1.0);
+    EXPECT_EQ(floods.tried, 10);
+    EXPECT_TRUE(floods.maps.empty());
+}
+
 TEST(FloodAll, TriesNoMoreThanAskedFor) {
     const Scene scene = moved_blob();
     std::vector<OrientedMatch> matches;

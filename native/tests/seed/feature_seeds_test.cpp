@@ -22,9 +22,11 @@ struct Scene {
     FeaturePlaces places;
     FeatureGeodesics on_source, on_target;
 
-    Scene() {
-        places.source = {100, 320, 205};
+    Scene() { add({100, 320, 205}); }
+    void add(const std::vector<int>& vertices) {
+        places.source.insert(places.source.end(), vertices.begin(), vertices.end());
         std::vector<SurfacePoint> points;
+        places.target.clear();
         for (const int v : places.source) {
             points.push_back(point_near_vertex(source, v));
             places.target.push_back(point_near_vertex(target, v));
@@ -58,6 +60,23 @@ TEST(FeatureSeeds, TakeTheirDirectionFromTheNeighbourThatKeepsItsDistance) {
     const auto seeds =
         feature_seeds(matches, scene.places, scene.on_source, scene.on_target, {100.0, 11.5, everywhere}, 0.2);
     ASSERT_FALSE(seeds.empty());
+    const int face = point_near_vertex(scene.source, seeds[0].sample).face;
+    const Eigen::Vector3d axis = shapes::some_rotation() * scene.source.axis_x[face];
+    EXPECT_LT(std::abs(seeds[0].rotation - flatten(scene.target, seeds[0].point.face, axis)), 1e-6);
+}
+
+TEST(FeatureSeeds, TakeTheDirectionThatMostNeighboursAgreeOn) {
+    Scene scene;
+    scene.add({55, 160, 260});
+    // The likeliest neighbour by itself keeps its distance but lies in another direction, as mirror images do.
+    std::vector<FeatureMatch> matches{{0, 0, 0.0, 0.0}, {1, 1, 0.0, 1.0}, {2, 2, 0.0, 1.0}, {3, 3, 0.0, 1.0}};
+    matches.push_back({4, 1, -0.5, 2.0});
+    const double on_target = scene.on_target.distance(0, 1);
+    scene.on_source.distance(0, 4) = on_target;
+    const auto seeds =
+        feature_seeds(matches, scene.places, scene.on_source, scene.on_target, {100.0, 11.5, everywhere}, 0.2);
+    ASSERT_FALSE(seeds.empty());
+    EXPECT_EQ(seeds[0].sample, scene.places.source[0]);
     const int face = point_near_vertex(scene.source, seeds[0].sample).face;
     const Eigen::Vector3d axis = shapes::some_rotation() * scene.source.axis_x[face];
     EXPECT_LT(std::abs(seeds[0].rotation - flatten(scene.target, seeds[0].point.face, axis)), 1e-6);
