@@ -23,6 +23,7 @@
 #include "scale/resample.h"
 #include "scale/rescale.h"
 #include "scale/setting.h"
+#include "seed/landmark_seeds.h"
 #include "seed/oriented_match.h"
 #include "surface/clean.h"
 
@@ -49,16 +50,6 @@ void check_landmarks(const std::vector<Landmark>& landmarks, const Surface& surf
     }
 }
 
-// Landmarks are the first samples of both surfaces; what is missing is the angle, which descriptors give.
-std::vector<OrientedMatch> landmark_matches(const Pair& pair, const MatchOptions& options) {
-    std::vector<OrientedMatch> matches;
-    for (int i = 0; i < static_cast<int>(options.landmarks.size()); ++i) {
-        const BestShift best = best_shift(pair.source_descriptor[i], pair.target_descriptor[i], options.feature);
-        matches.push_back({i, pair.target.samples.point[i], rotation_of(best.shift), 0.0});
-    }
-    return matches;
-}
-
 struct Grown {
     std::vector<Patch> patches;
     std::vector<Core> cores;
@@ -68,7 +59,8 @@ struct Grown {
 Grown grow(const Pair& pair, const PatchSettings& settings, const MatchOptions& options, Monitor& monitor, double from,
            double to) {
     const double seeded = from + 0.05 * (to - from);
-    std::vector<OrientedMatch> seeds = landmark_matches(pair, options);
+    std::vector<OrientedMatch> seeds =
+        landmark_seeds(pair, options.landmarks, options.feature, options.threads, monitor, from);
     const int forced = static_cast<int>(seeds.size());
     if (!options.seed.landmarks_only) {
         const auto found =
@@ -111,6 +103,29 @@ double scale_correction(const Pair& pair, const Grown& grown, const MatchOptions
 // Doubt is about errors above 0.1 of the root of T's area; confidence promises half of that. Of 93 pairs with a known
 // truth, vertices with 1 - doubt = 0.67, 0.76, 0.86 and 0.98 were right in 0.39, 0.53, 0.68 and 0.96 of the cases.
 double confidence_of(double doubt) { return std::pow(1.0 - doubt, 2.45); }
+
+// Share of the landmarks' weight that a map honours; of those it leaves out, half.
+double honoured(const PartialMap& map, const Pair& pair, const std::vector<Landmark>& landmarks) {
+    constexpr double near = 0.1;
+    double all = 0.0, kept = 0.0;
+    for (std::size_t i = 0; i < landmarks.size(); ++i) {
+        all += landmarks[i].weight;
+        if (map.mapped[i] == 0) {
+            kept += 0.5 * landmarks[i].weight;
+        } else if ((map.position[i] - pair.target.samples.position[i]).norm() < near) {
+            kept += landmarks[i].weight;
+        }
+    }
+    return all > 0.0 ? kept / all : 1.0;
+}
+
+// Where a surface maps onto itself, the landmarks tell which of its maps is wanted. They are the first samples.
+void let_landmarks_choose(std::vector<Blended>& answers, const Pair& pair, const std::vector<Landmark>& landmarks) {
+    if (landmarks.empty()) return;
+    for (Blended& answer : answers) answer.score *= honoured(answer.map, pair, landmarks);
+    std::stable_sort(answers.begin(), answers.end(),
+                     [](const Blended& a, const Blended& b) { return a.score > b.score; });
+}
 
 void warn_of_answers(const std::vector<Blended>& answers, MatchReport& report) {
     if (answers.front().map.count == 0) {
@@ -257,6 +272,7 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
     until = end_of_part(completed, 1.0, costs.answers(1), perhaps + finish);
     std::vector<Blended> answers = blend(pair, settings, grown.patches, grown.cores, watcher, at, completed, until);
     report.maps_in_core = answers.front().maps_in_core;
+    let_landmarks_choose(answers, pair, options.landmarks);
     lap("blend", map_bytes * static_cast<std::int64_t>(answers.size()));
     for (int attempt = 1; attempt < options.blend.attempts && answers.front().fit < options.blend.content; ++attempt) {
         expected += another;
@@ -274,6 +290,7 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
         std::vector<Blended> found =
             blend(other, settings, again.patches, again.cores, watcher, until,
                   end_of_part(until, end, costs.cores(options.blend.cores), costs.answers(1)), end);
+        let_landmarks_choose(found, other, options.landmarks);
         lap("blend", map_bytes * static_cast<std::int64_t>(found.size()));
         if (found.front().fit <= answers.front().fit) continue;
         pair = std::move(other);

@@ -263,6 +263,44 @@ TEST(Match, ThrowsCancelledBeforeTheStartAndAtAnyPoint) {
     }
 }
 
+TEST(Match, FollowsTwoLandmarksWhereTheSurfaceShowsNothing) {
+    // A plane, and the same plane turned in space with a tall peak on it: two points are all there is to know.
+    const auto plane = shapes::grid(36, 36, 0.05, 0.05);
+    auto peaked = plane;
+    for (Eigen::Index v = 0; v < peaked.vertices.rows(); ++v) {
+        const double r = (peaked.vertices.row(v) - Eigen::RowVector3d(1.1, 1.2, 0.0)).norm();
+        if (r < 0.2) peaked.vertices(v, 2) = 0.3 * (1.0 + std::cos(M_PI * r / 0.2));
+    }
+    const auto moved = shapes::moved(peaked, shapes::some_rotation(), {1.0, 2.0, 0.5});
+    MatchOptions options = quick();
+    options.scale.mode = ScaleMode::fixed;
+    const int corner = 3 * 37 + 3;
+    options.landmarks = {{corner, corner}, {corner + 29, corner + 29}};
+    options.seed.landmarks_only = true;
+    const Match found = match(Surface::from_mesh(plane.vertices, plane.faces),
+                              Surface::from_mesh(moved.vertices, moved.faces), options);
+    const Score s = score(found.correspondences.front(), moved.vertices, spacing(shapes::mesh_of(plane), options));
+    EXPECT_GT(s.right, 0.8);
+    EXPECT_GT(s.right, 0.95 * s.matched);
+}
+
+TEST(Match, LetsALandmarkChooseAmongTheMapsOfASymmetricSurface) {
+    const shapes::Shape shape = twofold();
+    const Surface source = gate(shape), target = gate(shape);
+    const Eigen::Matrix3d half_turn = Eigen::Vector3d(-1.0, -1.0, 1.0).asDiagonal();
+    const shapes::Shape round = shapes::moved(shape, half_turn, {0.0, 0.0, 0.0});
+    int start = 0, opposite = 0;
+    shape.vertices.col(0).maxCoeff(&start);
+    (shape.vertices.rowwise() - round.vertices.row(start)).rowwise().norm().minCoeff(&opposite);
+    for (const int end : {start, opposite}) {
+        MatchOptions options = quick();
+        options.landmarks = {{start, end}};
+        const Match result = match(source, target, options);
+        const Points& truth = end == start ? shape.vertices : round.vertices;
+        EXPECT_GT(score(result.best(), truth, spacing(target.mesh(), options)).right, 0.9);
+    }
+}
+
 TEST(Match, RefusesLandmarksOutOfRangeAndOptionsByName) {
     const Surface source = gate(shapes::blob(2));
     const auto refusal_of = [&](const MatchOptions& options) {

@@ -7,6 +7,12 @@
 
 namespace isograft {
 
+namespace {
+// Bodies, faces and scans have 0.1 to 0.4. Where a surface shows less, as a plane does, descriptors differ by what
+// hardly matters, and measured in that every map would look like chance.
+constexpr double least_chance = 0.08;
+}  // namespace
+
 double curvature_time(const FeatureOptions& options) {
     // One umbrella step on a mesh of 5,000 vertices a unit area spreads about a fourth of a squared edge.
     constexpr double edge = 0.0141;
@@ -23,7 +29,7 @@ double chance_distance(const Pair& pair, const FeatureOptions& options, std::uin
         if (d < 0.5 * not_comparable) distances.push_back(d);
     }
     std::sort(distances.begin(), distances.end());
-    return distances.empty() ? 1.0 : std::max(1e-9, distances[distances.size() / 2]);
+    return distances.empty() ? 1.0 : std::max(least_chance, distances[distances.size() / 2]);
 }
 
 double mismatch(const Pair& pair, const FeatureOptions& options, int sample, const SurfacePoint& point,

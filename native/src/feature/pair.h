@@ -18,7 +18,7 @@ struct Pair {
     std::vector<double> source_detail, target_detail;
     /// Per sample.
     std::vector<PolarDescriptor> source_descriptor, target_descriptor;
-    /// Median distance of descriptors that have nothing to do with each other: the unit of mismatch().
+    /// Median distance of descriptors that have nothing to do with each other, at least 0.08: the unit of mismatch().
     double chance = 1.0;
 };
 
