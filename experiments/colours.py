@@ -35,7 +35,7 @@ def carried_colours(source: Any, target_points: np.ndarray, found: Any) -> np.nd
     """Colours of points of T from the points of S whose images are nearest; red where none is near."""
     vertices, faces = source
     low, size = vertices.min(axis=0), float(np.ptp(vertices, axis=0).max())
-    matched = found["face"] >= 0
+    matched = np.isfinite(found["points"]).all(axis=1)
     places, images = vertices[matched], found["points"][matched]
     if faces is not None:
         usable = faces[matched[faces].all(axis=1)]

@@ -10,6 +10,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
+import isograft
 import numpy as np
 
 from experiments.catalogue import Experiment, Pair
@@ -23,19 +24,19 @@ COLOURS = {"paper": "#c0392b", "default": "#1f77b4", "hkm": "#7f7f7f", "nearest"
 def checker_picture(experiment: Experiment, pair: Pair, methods: list[str], folder: Path, out: Path) -> None:
     """S with its texture, and T with it under every method's map, side by side."""
     source, target = pair.case.source, pair.case.target
-    if source[1] is None or target[1] is None:
-        return  # no faces to show
+    seen = shown_mesh(target)
     arrays: dict[str, Any] = {}
-    shown = [("S", source, None)]
+    shown: list[tuple[str, Any, Any]] = [("S", shown_mesh(source), None)]
     for method in methods:
         path = folder / f"{pair.name}.{method}.npz"
         if path.exists():
             with np.load(path) as file:
-                shown.append((NAMES[method], target, dict(file)))
+                shown.append((NAMES[method], seen, dict(file)))
     for i, (_, (vertices, faces), found) in enumerate(shown):
         fine, cut = refined(vertices, faces)
         if found is None:
-            colours = source_colours(fine, vertices.min(axis=0), float(np.ptp(vertices, axis=0).max()))
+            low, high = source[0].min(axis=0), source[0].max(axis=0)
+            colours = source_colours(fine, low, float((high - low).max()))
         else:
             colours = carried_colours(source, fine, found)
         arrays |= {f"vertices{i}": fine, f"faces{i}": cut, f"colours{i}": colours}
@@ -54,6 +55,14 @@ def checker_picture(experiment: Experiment, pair: Pair, methods: list[str], fold
         command = ["blender", "-b", "--factory-startup", "--python-use-system-env", "--python-exit-code", "1"]
         command += ["-P", str(script), "--", str(meshes), str(out)]
         subprocess.run(command, check=True, capture_output=True, timeout=1800)
+
+
+def shown_mesh(surface: Any) -> tuple[np.ndarray, np.ndarray]:
+    """A mesh as it is, a cloud as the surface that was laid over it."""
+    vertices, faces = surface[0], surface[1]
+    if faces is None:
+        vertices, faces = isograft.Surface(vertices).working_mesh
+    return vertices, faces
 
 
 def can_render() -> bool:
