@@ -9,6 +9,7 @@
 #include "base/parallel.h"
 #include "base/piece.h"
 #include "blend/completion.h"
+#include "blend/contest.h"
 #include "blend/core.h"
 
 namespace isograft {
@@ -96,25 +97,6 @@ std::vector<std::size_t> rank(const std::vector<Contender>& contenders, const Bl
     return ranked;
 }
 
-// The surest parts first: what a careful round adds helps to judge the next one.
-void extend_carefully(Completion& completion, const BlendOptions& options, Piece progress) {
-    completion.trim(options.accept);
-    for (int round = 0; round < options.careful_rounds; ++round) {
-        const int before = completion.map().count;
-        const double share = 0.8 / options.careful_rounds;
-        completion.extend(options.accept);
-        completion.trim(0.8 * options.accept);
-        progress.reach(share * (round + 0.5));
-        completion.second_pass(progress.until(share * (round + 1)));
-        completion.trim(0.8 * options.accept);
-        if (completion.map().count <= before + 2) break;
-    }
-    progress.reach(0.8);
-    // A single sample's evidence is noisier than that of its ring, so the last extension is free and judged as a whole.
-    completion.extend(1.0);
-    completion.trim(options.accept);
-}
-
 }  // namespace
 
 std::vector<Blended> blend(const Pair& pair, const PatchSettings& settings, const std::vector<Patch>& patches,
@@ -134,6 +116,7 @@ std::vector<Blended> blend(const Pair& pair, const PatchSettings& settings, cons
     monitor.report("blend", middle);
     const std::vector<std::size_t> ranked = rank(contenders, settings.blend);
     std::vector<Blended> result(std::max<std::size_t>(1, ranked.size()));
+    const double extending = 0.6 * (to - middle);
     parallel_for(
         static_cast<int>(ranked.size()), settings.threads,
         [&](int i, int /*worker*/) {
@@ -141,8 +124,19 @@ std::vector<Blended> blend(const Pair& pair, const PatchSettings& settings, cons
             Completion& completion = *chosen.completion;
             completion.hear(witnesses(contenders, ranked[i], settings.blend.agreement_radius));
             completion.map() = chosen.careful;
-            extend_carefully(completion, settings.blend,
-                             Piece(monitor, (to - middle) / static_cast<double>(ranked.size())));
+            completion.extend_carefully(settings.blend.careful_rounds,
+                                        Piece(monitor, extending / static_cast<double>(ranked.size())));
+        },
+        monitor, "blend", middle, middle);
+    if (!ranked.empty()) {
+        std::unique_ptr<Completion>& first = contenders[ranked[0]].completion;
+        first = contest(std::move(first), pair, settings.threads, Piece(monitor, to - middle - extending));
+    }
+    parallel_for(
+        static_cast<int>(ranked.size()), settings.threads,
+        [&](int i, int /*worker*/) {
+            const Contender& chosen = contenders[ranked[i]];
+            Completion& completion = *chosen.completion;
             completion.place_anchors();
             const std::vector<double> risk = completion.doubts();
             const MapQuality quality = measure_quality(pair, settings.feature, completion.map(), risk);

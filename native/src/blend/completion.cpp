@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "blend/merge.h"
+#include "blend/vacancy.h"
 
 namespace isograft {
 
@@ -12,9 +13,25 @@ namespace {
 // A candidate's whole patch must fit the anchors better than its seed alone had to.
 constexpr double patch_strictness = 0.7;
 constexpr double compatible_reach = 0.12;
+// Doubt of a sample whose place another part of S has with more right.
+constexpr double beaten = 0.9;
+constexpr std::size_t most_challengers = 60;
+constexpr std::size_t most_claims = 3;
 // What another map's word is worth in log-odds.
 constexpr double unconfirmed = 0.3;
 constexpr double contradicted = 1.0;
+
+// Whether a map puts most of the samples that it shares with `claimed` elsewhere.
+bool contradicts(const PartialMap& map, const PartialMap& claimed, double radius) {
+    int shared = 0;
+    int agreed = 0;
+    for (std::size_t s = 0; s < map.mapped.size(); ++s) {
+        if (!map.mapped[s] || !claimed.mapped[s]) continue;
+        ++shared;
+        agreed += (map.position[s] - claimed.position[s]).norm() < radius ? 1 : 0;
+    }
+    return shared > 3 && 2 * agreed < shared;
+}
 
 // A few small holes bend hardly any path.
 bool is_whole(const TriangleMesh& mesh) {
@@ -33,6 +50,7 @@ Completion::Completion(const Pair& pair, const PatchSettings& settings, const st
       grower_(pair.source.samples, pair.target, settings.growth),
       anchors_(pair),
       map_(pair.source.samples.count()),
+      weights_(patches.size(), 0.0),
       support_(patches, pair.source.samples.count(), settings.blend.agreement_radius, settings.blend.decay),
       whole_(is_whole(pair.source.mesh) && is_whole(pair.target.mesh)) {
     for (const Patch& p : patches) patches_.push_back(&p);
@@ -141,9 +159,9 @@ void Completion::try_candidate(const TrialSeed& seed) {
     if (overlap > 3 && agree < settings_.blend.min_agreement * overlap) return;
     Patch patch{to_map(trial, seed, pair_), trial.quality,
                 std::exp(-2.0 * trial.misfit - 10.0 * incompatible) * (overlap > 3 ? 2.0 : 1.0)};
-    own_.push_back(std::move(patch));
-    patches_.push_back(&own_.back());
-    weights_.push_back(own_.back().weight);
+    weights_.push_back(patch.weight);
+    own_.push_back(std::make_shared<const Patch>(std::move(patch)));
+    patches_.push_back(own_.back().get());
 }
 
 bool Completion::second_pass(Piece progress) {
@@ -160,6 +178,110 @@ bool Completion::second_pass(Piece progress) {
     drop_torn_parts(map_, pair_);
     optimise(3, 0.5 * settings_.growth.stretch_limit);
     return map_.count > before + 2;
+}
+
+std::vector<Completion::Candidate> Completion::challengers(const std::vector<int>& vacant) const {
+    std::vector<Candidate> all;
+    std::vector<Candidate> here;
+    for (const int t : vacant) {
+        monitor_.check();
+        here.clear();
+        for (int s = 0; s < pair_.source.samples.count(); ++s) {
+            const double incompatible = anchors_.incompatibility(s, pair_.target.samples.point[t]);
+            if (incompatible > settings_.blend.max_incompatibility) continue;
+            const BestShift best =
+                best_shift(pair_.source_descriptor[s], pair_.target_descriptor[t], settings_.feature);
+            if (best.distance >= not_comparable) continue;
+            here.push_back({best.distance / pair_.chance + 3.0 * incompatible, {s, t, best.shift}});
+        }
+        const std::size_t keep = std::min<std::size_t>(2, here.size());
+        std::partial_sort(here.begin(), here.begin() + static_cast<std::ptrdiff_t>(keep), here.end(),
+                          [](const Candidate& a, const Candidate& b) { return a.score < b.score; });
+        all.insert(all.end(), here.begin(), here.begin() + static_cast<std::ptrdiff_t>(keep));
+    }
+    std::stable_sort(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) { return a.score < b.score; });
+    if (all.size() > most_challengers) all.resize(most_challengers);
+    return all;
+}
+
+double Completion::incompatibility(const PartialMap& map) const {
+    double sum = 0.0;
+    int count = 0;
+    for (std::size_t s = 0; s < map.mapped.size(); ++s) {
+        if (!map.mapped[s]) continue;
+        sum += anchors_.incompatibility(static_cast<int>(s), map.image[s]);
+        ++count;
+    }
+    return count > 0 ? sum / count : 1.0;
+}
+
+std::vector<std::vector<double>> Completion::claims(const std::vector<int>& vacant, Piece progress) {
+    std::vector<std::vector<double>> result;
+    if (!place_anchors()) return result;
+    const Samples& target = pair_.target.samples;
+    std::vector<char> inside(target.count(), 0);
+    for (const int t : vacant) inside[t] = 1;
+    const auto lands = [&](const PartialMap& map) {
+        int count = 0;
+        for (std::size_t s = 0; s < map.mapped.size(); ++s) {
+            if (!map.mapped[s]) continue;
+            const int home = target.nearest(pair_.target.mesh, map.image[s]);
+            count += home >= 0 && inside[home] ? 1 : 0;
+        }
+        return 2 * count > std::min<int>(map.count, static_cast<int>(vacant.size()));
+    };
+    const double strict = patch_strictness * settings_.blend.max_incompatibility;
+    std::vector<std::size_t> index;
+    std::vector<const PartialMap*> maps;
+    std::vector<double> says;
+    const auto consider = [&](std::size_t i) {
+        const PartialMap& map = patches_[i]->map;
+        if (!lands(map)) return;
+        const double incompatible = incompatibility(map);
+        if (incompatible > strict) return;
+        index.push_back(i);
+        maps.push_back(&map);
+        says.push_back(std::exp(-2.0 * patches_[i]->quality - 10.0 * incompatible));
+    };
+    // Those of the search that lost against the core, and new ones.
+    for (std::size_t i = 0; i < patches_.size(); ++i) {
+        if (i % 16 == 0) progress.check();
+        consider(i);
+    }
+    const std::vector<Candidate> all = challengers(vacant);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        progress.reach(static_cast<double>(i) / static_cast<double>(all.size()));
+        const Trial& trial = trials_.of(all[i].seed, grower_);
+        if (static_cast<int>(trial.held.size()) < settings_.seed.probe_size / 3 || trial.misfit > 0.6) continue;
+        own_.push_back(std::make_shared<const Patch>(Patch{to_map(trial, all[i].seed, pair_), trial.quality, 0.0}));
+        patches_.push_back(own_.back().get());
+        weights_.push_back(0.0);
+        consider(patches_.size() - 1);
+    }
+    for (const std::vector<std::size_t>& set :
+         compatible_sets(pair_.source.samples, maps, says, settings_.blend.agreement_radius, most_claims)) {
+        std::vector<double> claim(patches_.size(), 0.0);
+        for (const std::size_t k : set) claim[index[k]] = says[k];
+        result.push_back(std::move(claim));
+    }
+    return result;
+}
+
+void Completion::yield_to(const std::vector<double>& claim) {
+    PartialMap claimed(pair_.source.samples.count());
+    merge_into(claimed, pair_, settings_, patches_, claim);
+    for (std::size_t s = 0; s < claimed.mapped.size(); ++s) {
+        if (!claimed.mapped[s]) continue;
+        if (map_.mapped[s]) map_.drop(static_cast<int>(s));
+        map_.put(pair_.target.mesh, static_cast<int>(s), claimed.image[s], claimed.rotation[s]);
+    }
+    // What now hangs in the air, or would vote for the old places again, goes.
+    drop_torn_parts(map_, pair_);
+    for (std::size_t i = 0; i < claim.size(); ++i) {
+        weights_[i] = std::max(weights_[i], claim[i]);
+        if (contradicts(patches_[i]->map, claimed, settings_.blend.agreement_radius)) weights_[i] = 0.0;
+    }
+    optimise(3, 0.5 * settings_.growth.stretch_limit);
 }
 
 Evidence Completion::evidence(int sample, const SurfacePoint& point, Complex rotation) const {
@@ -208,6 +330,11 @@ std::vector<double> Completion::doubts() const {
         ring.drift = std::max(0.0, drifts[s].gain());
         result[s] = doubt(ring);
     }
+    if (!exclusive_) return result;
+    const std::vector<char> loses = doubled(pair_, map_, result);
+    for (int s = 0; s < source.count(); ++s) {
+        if (loses[s]) result[s] = std::max(result[s], beaten);
+    }
     return result;
 }
 
@@ -237,6 +364,31 @@ void Completion::trim(double limit) {
     for (std::size_t s = 0; s < doubtful.size(); ++s) {
         if (map_.mapped[s] && doubtful[s] > limit) map_.drop(static_cast<int>(s));
     }
+}
+
+void Completion::extend_carefully(int rounds, Piece progress) {
+    const BlendOptions& options = settings_.blend;
+    trim(options.accept);
+    for (int round = 0; round < rounds; ++round) {
+        const int before = map_.count;
+        const double share = 0.8 / rounds;
+        extend(options.accept);
+        trim(0.8 * options.accept);
+        progress.reach(share * (round + 0.5));
+        second_pass(progress.until(share * (round + 1)));
+        trim(0.8 * options.accept);
+        if (map_.count <= before + 2) break;
+    }
+    progress.reach(0.8);
+    // A single sample's evidence is noisier than that of its ring, so the last extension is free and judged as a whole.
+    extend(1.0);
+    trim(options.accept);
+    progress.reach(1.0);
+}
+
+MapQuality Completion::quality() {
+    place_anchors();
+    return measure_quality(pair_, settings_.feature, map_, doubts());
 }
 
 }  // namespace isograft

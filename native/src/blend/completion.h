@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <deque>
+#include <memory>
 #include <vector>
 
 #include "base/piece.h"
 #include "blend/anchors.h"
+#include "blend/choice.h"
 #include "blend/core.h"
 #include "blend/doubt.h"
 #include "blend/drift.h"
@@ -14,7 +15,8 @@
 
 namespace isograft {
 
-/// Makes one map out of one core and carries it into what is still uncovered. Every step leaves a valid map.
+/// Makes one map out of one core and carries it into what is still uncovered. Every step leaves a valid map. A copy
+/// goes its own way.
 class Completion {
   public:
     /// The references must outlive it; `patches`, `trials` and `drift` are shared between cores.
@@ -34,6 +36,18 @@ class Completion {
     /// Drop samples whose doubt exceeds `limit`, by the evidence of themselves and their mapped neighbours.
     void trim(double limit);
 
+    /// Trim, then extend and second passes in turn, the surest parts first: what a careful round adds helps to judge
+    /// the next one.
+    void extend_carefully(int rounds, Piece progress);
+
+    /// Patches that may lead into a part of T where no image lies, even from samples that are mapped elsewhere: a limb
+    /// left empty beside one covered by the wrong limb, or by two.
+    /// \param vacant samples of T. \return sets that may be true together, each as a say per patch of this object; the
+    /// most promising first, none if nothing leads there.
+    [[nodiscard]] std::vector<std::vector<double>> claims(const std::vector<int>& vacant, Piece progress);
+    /// Put in the map what a claim says; what contradicts it gives way.
+    void yield_to(const std::vector<double>& claim);
+
     /// What speaks for and against a sample at a place. Stretch says nothing here: the least squares hides it. The
     /// anchors are those of the last call of place_anchors().
     [[nodiscard]] Evidence evidence(int sample, const SurfacePoint& point, Complex rotation) const;
@@ -44,6 +58,11 @@ class Completion {
 
     /// Maps grown from other patches. Where one is silent on a sample doubt rises, more where it contradicts.
     void hear(std::vector<PartialMap> witnesses) { witnesses_ = std::move(witnesses); }
+
+    /// Of the map as it is now, see measure_quality().
+    [[nodiscard]] MapQuality quality();
+    /// From now on, of two parts of S on one place of T the less trusted one is doubted.
+    void be_exclusive() { exclusive_ = true; }
 
     [[nodiscard]] const PartialMap& map() const { return map_; }
     [[nodiscard]] PartialMap& map() { return map_; }
@@ -59,6 +78,8 @@ class Completion {
     [[nodiscard]] std::vector<Candidate> candidates() const;
     [[nodiscard]] std::vector<char> covered_target() const;
     void try_candidate(const TrialSeed& seed);
+    [[nodiscard]] std::vector<Candidate> challengers(const std::vector<int>& vacant) const;
+    [[nodiscard]] double incompatibility(const PartialMap& map) const;
 
     const Pair& pair_;
     PatchSettings settings_;
@@ -70,9 +91,11 @@ class Completion {
     PartialMap map_;
     std::vector<const Patch*> patches_;
     std::vector<double> weights_;
-    std::deque<Patch> own_;
+    // Shared by copies.
+    std::vector<std::shared_ptr<const Patch>> own_;
     Support support_;
     bool whole_;
+    bool exclusive_ = false;
     std::vector<PartialMap> witnesses_;
 };
 

@@ -35,7 +35,9 @@ TEST(Trials, AreWhatAProbeOfTheSameSeedGives) {
             EXPECT_EQ(map.position[h.sample], patch.map.position[h.sample]);
             EXPECT_EQ(map.rotation[h.sample], patch.map.rotation[h.sample]);
         }
-        if (map.mapped[seed.source] != 0) EXPECT_EQ(map.seed_distance[seed.source], 0.0F);
+        if (map.mapped[seed.source] != 0) {
+            EXPECT_EQ(map.seed_distance[seed.source], 0.0F);
+        }
     }
 }
 

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "blend/contest.h"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "base/parallel.h"
+#include "blend/vacancy.h"
+
+namespace isograft {
+
+namespace {
+
+// Of T's area; what growth leaves out at rims and tips is less.
+constexpr double least_vacancy = 0.01;
+constexpr int most_contests = 9;
+// Of extension after a claim: what it leaves out is contested in turn.
+constexpr int careful_rounds = 1;
+constexpr int final_rounds = 3;
+// Without a gain, one after the other.
+constexpr int most_failures = 3;
+// A claim must be worth more than the map by this factor.
+constexpr double margin = 1.01;
+
+// The same part but for its rim.
+bool same_part(const std::vector<int>& a, const std::vector<int>& b) {
+    std::vector<int> shared;
+    std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(shared));
+    return 5 * shared.size() > 4 * std::max(a.size(), b.size());
+}
+
+}  // namespace
+
+std::unique_ptr<Completion> contest(std::unique_ptr<Completion> completion, const Pair& pair, int threads,
+                                    Piece progress) {
+    std::vector<std::vector<int>> vacant = vacant_parts(pair, completion->map(), least_vacancy);
+    if (vacant.empty()) return completion;
+    completion->be_exclusive();
+    double best = choice_score(completion->quality());
+    std::vector<std::vector<int>> settled;
+    int failures = 0;
+    bool changed = false;
+    for (int round = 0; round < most_contests && failures < most_failures; ++round) {
+        progress.reach(static_cast<double>(round) / most_contests);
+        const auto open = std::find_if(vacant.begin(), vacant.end(), [&](const std::vector<int>& part) {
+            return std::none_of(settled.begin(), settled.end(),
+                                [&](const std::vector<int>& old) { return same_part(part, old); });
+        });
+        if (open == vacant.end()) break;
+        const std::vector<std::vector<double>> claims =
+            completion->claims(*open, progress.until((round + 0.3) / most_contests));
+        std::vector<std::unique_ptr<Completion>> tries(claims.size());
+        std::vector<double> scores(claims.size(), 0.0);
+        parallel_for(
+            static_cast<int>(claims.size()), threads,
+            [&](int i, int /*worker*/) {
+                tries[i] = std::make_unique<Completion>(*completion);
+                tries[i]->yield_to(claims[i]);
+                tries[i]->extend_carefully(careful_rounds, Piece(progress.monitor()));
+                scores[i] = choice_score(tries[i]->quality());
+            },
+            progress.monitor(), "blend", 0.0, 0.0);
+        const auto winner = std::max_element(scores.begin(), scores.end());
+        settled.push_back(*open);
+        ++failures;
+        if (winner == scores.end() || *winner <= margin * best) continue;
+        failures = 0;
+        changed = true;
+        best = *winner;
+        completion = std::move(tries[winner - scores.begin()]);
+        vacant = vacant_parts(pair, completion->map(), least_vacancy);
+        // What failed against the old map may fit the new one.
+        settled.clear();
+    }
+    if (changed) {
+        std::unique_ptr<Completion> extended = std::make_unique<Completion>(*completion);
+        extended->extend_carefully(final_rounds, Piece(progress.monitor()));
+        if (choice_score(extended->quality()) > best) completion = std::move(extended);
+    }
+    progress.reach(1.0);
+    return completion;
+}
+
+}  // namespace isograft
