@@ -30,7 +30,7 @@ class Costs {
     [[nodiscard]] double preparation(const std::vector<std::int64_t>& vertices) const;
     /// Seeds, probes and patches.
     [[nodiscard]] double growth() const { return growth_; }
-    /// Completing so many cores, and carrying so many answers into the rest.
+    /// Completing so many cores, and carrying so many answers into the rest, some contested.
     [[nodiscard]] double cores(int count) const { return rounds_of(count) * core_; }
     [[nodiscard]] double answers(int count) const { return rounds_of(count) * answer_; }
     /// Of one answer.

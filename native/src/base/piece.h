@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
+#include <vector>
+
 #include "isograft/monitor.h"
 
 namespace isograft {
@@ -32,6 +36,13 @@ class Piece {
         const Piece part(*monitor_, fraction > done_ ? (fraction - done_) * size_ : 0.0);
         done_ = fraction > done_ ? fraction : done_;
         return part;
+    }
+
+    /// The same in `count` equal pieces, for tasks side by side.
+    [[nodiscard]] std::vector<Piece> split(double fraction, std::size_t count) {
+        Piece whole = until(fraction);
+        whole.size_ /= static_cast<double>(std::max<std::size_t>(1, count));
+        return std::vector<Piece>(count, whole);
     }
 
     [[nodiscard]] Monitor& monitor() const { return *monitor_; }

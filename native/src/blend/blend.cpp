@@ -116,7 +116,8 @@ std::vector<Blended> blend(const Pair& pair, const PatchSettings& settings, cons
     monitor.report("blend", middle);
     const std::vector<std::size_t> ranked = rank(contenders, settings.blend);
     std::vector<Blended> result(std::max<std::size_t>(1, ranked.size()));
-    const double extending = 0.6 * (to - middle);
+    // Contests take nothing or as much again, and more where a map is bad.
+    const double extending = 0.5 * (to - middle);
     parallel_for(
         static_cast<int>(ranked.size()), settings.threads,
         [&](int i, int /*worker*/) {

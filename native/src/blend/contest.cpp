@@ -42,22 +42,23 @@ std::unique_ptr<Completion> contest(std::unique_ptr<Completion> completion, cons
     int failures = 0;
     bool changed = false;
     for (int round = 0; round < most_contests && failures < most_failures; ++round) {
-        progress.reach(static_cast<double>(round) / most_contests);
+        progress.reach(static_cast<double>(round) / (most_contests + 1));
         const auto open = std::find_if(vacant.begin(), vacant.end(), [&](const std::vector<int>& part) {
             return std::none_of(settled.begin(), settled.end(),
                                 [&](const std::vector<int>& old) { return same_part(part, old); });
         });
         if (open == vacant.end()) break;
         const std::vector<std::vector<double>> claims =
-            completion->claims(*open, progress.until((round + 0.3) / most_contests));
+            completion->claims(*open, progress.until((round + 0.3) / (most_contests + 1)));
         std::vector<std::unique_ptr<Completion>> tries(claims.size());
         std::vector<double> scores(claims.size(), 0.0);
+        std::vector<Piece> pieces = progress.split(static_cast<double>(round + 1) / (most_contests + 1), claims.size());
         parallel_for(
             static_cast<int>(claims.size()), threads,
             [&](int i, int /*worker*/) {
                 tries[i] = std::make_unique<Completion>(*completion);
                 tries[i]->yield_to(claims[i]);
-                tries[i]->extend_carefully(careful_rounds, Piece(progress.monitor()));
+                tries[i]->extend_carefully(careful_rounds, pieces[i]);
                 scores[i] = choice_score(tries[i]->quality());
             },
             progress.monitor(), "blend", 0.0, 0.0);
@@ -75,7 +76,7 @@ std::unique_ptr<Completion> contest(std::unique_ptr<Completion> completion, cons
     }
     if (changed) {
         std::unique_ptr<Completion> extended = std::make_unique<Completion>(*completion);
-        extended->extend_carefully(final_rounds, Piece(progress.monitor()));
+        extended->extend_carefully(final_rounds, progress.until(1.0));
         if (choice_score(extended->quality()) > best) completion = std::move(extended);
     }
     progress.reach(1.0);

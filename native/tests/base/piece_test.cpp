@@ -50,6 +50,21 @@ TEST(Piece, AddsUpOverThreads) {
     EXPECT_NEAR(monitor.fraction(), 1.0, 1e-9);
 }
 
+TEST(Piece, SplitsIntoEqualPiecesThatFillIt) {
+    Monitor monitor;
+    Piece piece(monitor, 1.0);
+    std::vector<Piece> pieces = piece.split(0.6, 3);
+    ASSERT_EQ(pieces.size(), 3U);
+    EXPECT_DOUBLE_EQ(monitor.fraction(), 0.0);
+    for (Piece& p : pieces) p.reach(0.5);
+    EXPECT_DOUBLE_EQ(monitor.fraction(), 0.3);
+    for (Piece& p : pieces) p.reach(1.0);
+    EXPECT_DOUBLE_EQ(monitor.fraction(), 0.6);
+    EXPECT_TRUE(piece.split(0.8, 0).empty());
+    piece.reach(1.0);
+    EXPECT_DOUBLE_EQ(monitor.fraction(), 0.8);
+}
+
 TEST(Piece, WithoutSizeOnlyChecks) {
     Monitor monitor;
     Piece piece(monitor);
