@@ -14,9 +14,9 @@ from isograft.correspondence import Correspondence
 from isograft.errors import InvalidInput
 from isograft.formats.mesh import MeshFile
 from isograft.formats.mesh_output import MeshOutput
+from isograft.progress import part_of
 from isograft.transfer import Channel, bake, fill_corner, fill_point, transfer_corner_uv, transfer_point, wrap
 from isograft.transfer.arrays import Array, Progress
-from isograft.transfer.progress import part_of
 
 
 @dataclass(eq=False)

@@ -17,9 +17,9 @@ from isograft.errors import InvalidInput
 from isograft.formats.npz import read_npz, write_npz
 from isograft.landmarks import to_landmarks
 from isograft.presets import check_overrides, preset_options
+from isograft.progress import part_of
 from isograft.report import Report
 from isograft.surface import ProgressCallback, Surface, as_surfaces, check_progress
-from isograft.transfer.progress import part_of
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from isograft import _native
 from isograft.arguments import to_int
+from isograft.progress import part_of
 from isograft.transfer.arrays import (
     Array,
     CorrespondenceArrays,
@@ -23,7 +24,6 @@ from isograft.transfer.arrays import (
     value_columns,
 )
 from isograft.transfer.image_filling import fill_images
-from isograft.transfer.progress import part_of
 
 _EXTENSIONS = ("repeat", "extend", "clip")
 _LARGEST = 1 << 16

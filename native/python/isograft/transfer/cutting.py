@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from isograft import _native
+from isograft.progress import part_of
 from isograft.transfer.arrays import (
     Array,
     CorrespondenceArrays,
@@ -21,7 +22,6 @@ from isograft.transfer.arrays import (
     value_columns,
 )
 from isograft.transfer.attributes import locate
-from isograft.transfer.progress import part_of
 from isograft.transfer.seams import seam_edges
 
 # An edge crosses a seam if its ends' UVs lie farther apart than this many times what the donor's UVs stretch there.

@@ -6,8 +6,8 @@ from __future__ import annotations
 import numpy as np
 
 from isograft import _native
+from isograft.progress import part_of, tell
 from isograft.transfer.arrays import Array, Progress, value_columns
-from isograft.transfer.progress import part_of, tell
 
 # Where a triangle's image is looked at for its first corner: three texels do not let one hair or pore decide.
 _NEAR_CORNER = np.array([[0.8, 0.1, 0.1], [0.6, 0.3, 0.1], [0.6, 0.1, 0.3]])

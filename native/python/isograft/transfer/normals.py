@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from isograft import _native
+from isograft.progress import part_of
 from isograft.transfer.arrays import (
     Array,
     CorrespondenceArrays,
@@ -21,7 +22,6 @@ from isograft.transfer.arrays import (
     triangle_rows,
 )
 from isograft.transfer.filling import Filled, fill_corner
-from isograft.transfer.progress import part_of
 from isograft.transfer.shape_keys import local_frames
 
 

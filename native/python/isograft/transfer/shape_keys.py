@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from isograft import _native
 from isograft.arguments import to_float
+from isograft.progress import part_of, tell
 from isograft.transfer.arrays import (
     Array,
     CorrespondenceArrays,
@@ -19,7 +20,6 @@ from isograft.transfer.arrays import (
     point_rows,
     triangle_rows,
 )
-from isograft.transfer.progress import part_of, tell
 
 Scale = Literal["global", "local"] | float
 

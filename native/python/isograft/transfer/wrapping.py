@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from isograft import _native
+from isograft.progress import part_of
 from isograft.transfer.arrays import Array, CorrespondenceArrays, Progress, point_rows, triangle_rows
 from isograft.transfer.inverse import invert
-from isograft.transfer.progress import part_of
 
 
 class Wrapped(NamedTuple):
