@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What object.isograft_bake computes, whole, before it writes: the donor's images in the receiver's own UVs."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -13,12 +12,11 @@ from . import bridge, channels, pairing
 from .bridge import Array, RefusedError
 from .channels import BakedInput
 from .grafting import filled_text, mark_filled
+from .job import Progress, in_turn
 from .kinds.filling import fill_corners, marks
 from .matching import Messages
 from .pairing import Pair
 from .settings import Names, OfProperties
-
-Progress = Callable[[str, float], bool]
 
 
 @dataclass(frozen=True)
@@ -164,13 +162,9 @@ class BakeTask:
 
     def run(self, progress: Progress) -> list[Bake]:
         """Compute all of them."""
-        for index, item in enumerate(self.bakes):
-
-            def report(text: str, part: float, index: int = index) -> bool:
-                return progress(text, (index + part) / len(self.bakes))
-
+        for item, part in in_turn(self.bakes, progress):
             with pairing.named(item.pair.name):
-                item.compute(report)
+                item.compute(part)
         return self.bakes
 
 

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What object.isograft_transfer computes, whole, before it writes."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -11,14 +10,13 @@ import numpy as np
 from . import bridge, cutting, pairing
 from .bridge import RefusedError
 from .cutting import Cut
+from .job import Progress, in_turn
 from .kinds import KINDS, Kind, UVMaps
 from .matching import Messages
 from .pairing import Pair
 from .settings import Names, Settings
 
 __all__ = ["Graft", "Settings", "TransferTask", "prepare"]
-
-Progress = Callable[[str, float], bool]
 
 FILLED = "isograft_filled"
 """Point attribute on the receiver: True where what was received is completed, not found."""
@@ -49,12 +47,8 @@ class Graft:
     def compute(self, progress: Progress) -> None:
         """All of it; touches no object of Blender's."""
         with pairing.named(self.pair.name):
-            for index, kind in enumerate(self.kinds):
-
-                def report(_: str, part: float, index: int = index, kind: Kind = kind) -> bool:
-                    return progress(f"{self.pair.name}: {kind.noun}s", (index + part) / len(self.kinds))
-
-                kind.run(report)
+            for kind, part in in_turn(self.kinds, progress, lambda kind, _: f"{self.pair.name}: {kind.noun}s"):
+                kind.run(part)
         self.messages = [("WARNING", text) for text in self.pair.arrays.warnings]
         self.messages += [("WARNING", text) for kind in self.kinds for text in kind.warnings]
         if self._filled.any():
@@ -103,12 +97,8 @@ class TransferTask:
 
     def run(self, progress: Progress) -> list[Graft]:
         """Compute everything."""
-        for index, graft in enumerate(self.grafts):
-
-            def report(text: str, part: float, index: int = index) -> bool:
-                return progress(text, (index + part) / len(self.grafts))
-
-            graft.compute(report)
+        for graft, part in in_turn(self.grafts, progress):
+            graft.compute(part)
         return self.grafts
 
     def write(self, grafts: list[Graft]) -> Messages:

@@ -16,6 +16,21 @@ Progress = Callable[[str, float], bool]
 SurfaceArrays = tuple[Any, Any]
 
 
+def in_turn(
+    items: Sequence[Any], progress: Progress, label: Callable[[Any, str], str] = lambda _, text: text
+) -> list[tuple[Any, Progress]]:
+    """Every item with its equal part of the progress, for work done one after the other.
+
+    Args:
+        label: of the item and of what it tells, what is told.
+    """
+
+    def part(index: int) -> Progress:
+        return lambda text, fraction: progress(label(items[index], text), (index + fraction) / len(items))
+
+    return [(item, part(index)) for index, item in enumerate(items)]
+
+
 class Work(Protocol):
     """What a job runs."""
 
@@ -44,13 +59,10 @@ class Task:
             raise ReceiverError(str(error)) from error
         assert rest is not None
         results = []
-        for index, ((name, _), receiver) in enumerate(zip(self.receivers, receivers, strict=True)):
-
-            def report(stage: str, fraction: float, index: int = index, name: str = name) -> bool:
-                return rest(f"{name}: {stage}", (index + fraction) / len(receivers))
-
+        named = [(name, receiver) for (name, _), receiver in zip(self.receivers, receivers, strict=True)]
+        for (name, receiver), part in in_turn(named, rest, lambda item, stage: f"{item[0]}: {stage}"):
             try:
-                results.append(isograft.match(receiver, donor, progress=report, **self.options))
+                results.append(isograft.match(receiver, donor, progress=part, **self.options))
             except (isograft.InvalidInput, isograft.ResourceLimit) as error:
                 raise ReceiverError(f"{name}: {error}") from error
         return results

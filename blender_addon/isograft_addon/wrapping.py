@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What object.isograft_wrap computes, whole, before it writes: the donor's mesh with a receiver's shape."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -12,11 +11,10 @@ from isograft import transfer
 from . import bridge, pairing
 from .bridge import Array, RefusedError
 from .grafting import FILLED
+from .job import Progress, in_turn
 from .matching import Messages
 from .pairing import Pair
 from .settings import OfProperties
-
-Progress = Callable[[str, float], bool]
 
 
 @dataclass(frozen=True)
@@ -85,13 +83,9 @@ class WrapTask:
 
     def run(self, progress: Progress) -> list[Wrap]:
         """Compute all of them."""
-        for index, item in enumerate(self.wraps):
-
-            def report(text: str, part: float, index: int = index) -> bool:
-                return progress(text, (index + part) / len(self.wraps))
-
+        for item, part in in_turn(self.wraps, progress):
             with pairing.named(item.pair.name):
-                item.compute(self.settings, report)
+                item.compute(self.settings, part)
         return self.wraps
 
     def write(self, wraps: list[Wrap]) -> Messages:

@@ -8,11 +8,10 @@ import isograft
 import numpy as np
 
 from ..bridge import Array
+from ..job import Progress
 from ..pairing import Donor, Pair
 from ..settings import Names, Settings
 from .filling import fill_corners
-
-Progress = Callable[[str, float], bool]
 
 MANY = 6
 """More names than this are counted instead of listed."""
