@@ -4,9 +4,7 @@
 from __future__ import annotations
 
 import argparse
-import csv
 import json
-import os
 import threading
 import time
 from pathlib import Path
@@ -16,7 +14,7 @@ import isograft
 import numpy as np
 
 from benchmarks.cases import read_case
-from benchmarks.scaling import PAIR
+from benchmarks.scaling import PAIR, find_pair
 from benchmarks.scaling_child import sized
 
 LIMIT = 0.2
@@ -32,11 +30,7 @@ def main(arguments: list[str], root: Path) -> int:
     parser.add_argument("--threads", metavar="N", type=int, help="default: all cores")
     parser.add_argument("--seed", metavar="N", type=int, default=0, help="of the moments")
     given = parser.parse_args(arguments)
-    data = given.data or Path(os.environ.get("ISOGRAFT_DATA") or root.parent / "shared" / "data")
-    with (data / "pairs.csv").open(newline="", encoding="utf-8") as file:
-        pair = next((row for row in csv.DictReader(file) if row["id"] == given.pair), None)
-    if pair is None:
-        parser.error(f"{data / 'pairs.csv'} has no pair {given.pair!r}")
+    data, pair = find_pair(parser, given, root)
     given.output.mkdir(parents=True, exist_ok=True)
     rows = []
     for size in (int(text) for text in given.sizes.split(",")):

@@ -36,11 +36,7 @@ def main(arguments: list[str], root: Path) -> int:
     parser.add_argument("--repeats", metavar="N", type=int, default=1, help="runs for the median time")
     parser.add_argument("--preset", default="default")
     given = parser.parse_args(arguments)
-    data = given.data or Path(os.environ.get("ISOGRAFT_DATA") or root.parent / "shared" / "data")
-    with (data / "pairs.csv").open(newline="", encoding="utf-8") as file:
-        pair = next((row for row in csv.DictReader(file) if row["id"] == given.pair), None)
-    if pair is None:
-        parser.error(f"{data / 'pairs.csv'} has no pair {given.pair!r}")
+    data, pair = find_pair(parser, given, root)
     sizes = [int(size) for size in given.sizes.split(",")] if given.sizes else list(SIZES)
     threads = sorted({int(count) for count in given.threads.split(",")})
     given.output.mkdir(parents=True, exist_ok=True)
@@ -59,6 +55,16 @@ def main(arguments: list[str], root: Path) -> int:
             write(given.output, rows, {"pair": given.pair, "repeats": given.repeats, "preset": given.preset})
     print((given.output / "scaling.md").read_text(encoding="utf-8"))
     return 0 if all(row["status"] == "ok" for row in rows) else 1
+
+
+def find_pair(parser: argparse.ArgumentParser, given: argparse.Namespace, root: Path) -> tuple[Path, dict[str, str]]:
+    """The folder of pairs and the row of `given.pair`; ends with the parser's error if there is none."""
+    data = given.data or Path(os.environ.get("ISOGRAFT_DATA") or root.parent / "shared" / "data")
+    with (data / "pairs.csv").open(newline="", encoding="utf-8") as file:
+        pair = next((row for row in csv.DictReader(file) if row["id"] == given.pair), None)
+    if pair is None:
+        parser.error(f"{data / 'pairs.csv'} has no pair {given.pair!r}")
+    return data, pair
 
 
 def run_child(request: Row) -> Row:
