@@ -33,12 +33,12 @@ struct Contender {
     double score = -1.0;
 };
 
-void complete(Contender& contender, const Core& core, const Pair& pair, const PatchSettings& settings, Piece progress) {
+void complete(Contender& contender, const Core& core, int rounds, Piece progress) {
     Completion& completion = *contender.completion;
     completion.start(core);
     progress.reach(0.1);
-    for (int round = 0; round < settings.blend.rounds; ++round) {
-        const double share = 0.7 * (round + 1) / settings.blend.rounds;
+    for (int round = 0; round < rounds; ++round) {
+        const double share = 0.7 * (round + 1) / rounds;
         if (!completion.second_pass(progress.until(0.1 + share))) break;
     }
     progress.reach(0.8);
@@ -46,8 +46,7 @@ void complete(Contender& contender, const Core& core, const Pair& pair, const Pa
     contender.careful = completion.map();
     completion.extend(1.0);
     progress.reach(0.95);
-    completion.place_anchors();
-    contender.quality = measure_quality(pair, settings.feature, completion.map(), completion.doubts());
+    contender.quality = completion.quality();
     contender.score = choice_score(contender.quality);
     contender.free = completion.map();
     progress.reach(1.0);
@@ -56,15 +55,9 @@ void complete(Contender& contender, const Core& core, const Pair& pair, const Pa
 // Share of the samples that two maps have in common which they put in the same place; nothing if they share too few.
 std::optional<double> agreement(const PartialMap& a, const PartialMap& b, double radius) {
     constexpr int fewest = 10;
-    int shared = 0;
-    int agreed = 0;
-    for (std::size_t s = 0; s < a.mapped.size(); ++s) {
-        if (!a.mapped[s] || !b.mapped[s]) continue;
-        ++shared;
-        agreed += (a.position[s] - b.position[s]).norm() < radius ? 1 : 0;
-    }
-    if (shared < fewest) return std::nullopt;
-    return static_cast<double>(agreed) / shared;
+    const Overlap overlap = overlap_of(a, b, radius);
+    if (overlap.shared < fewest) return std::nullopt;
+    return static_cast<double>(overlap.agreed) / overlap.shared;
 }
 
 // Cores share no patch, so another one that leads to much the same map is a second opinion on the rest of it.
@@ -109,7 +102,7 @@ std::vector<Blended> blend(const Pair& pair, const PatchSettings& settings, cons
         static_cast<int>(cores.size()), settings.threads,
         [&](int i, int /*worker*/) {
             contenders[i].completion = std::make_unique<Completion>(pair, settings, patches, trials, drift, monitor);
-            complete(contenders[i], cores[i], pair, settings,
+            complete(contenders[i], cores[i], settings.blend.rounds,
                      Piece(monitor, (middle - from) / static_cast<double>(cores.size())));
         },
         monitor, "blend", from, from);
@@ -131,7 +124,7 @@ std::vector<Blended> blend(const Pair& pair, const PatchSettings& settings, cons
         monitor, "blend", middle, middle);
     if (!ranked.empty()) {
         std::unique_ptr<Completion>& first = contenders[ranked[0]].completion;
-        first = contest(std::move(first), pair, settings.threads, Piece(monitor, to - middle - extending));
+        first = contest(std::move(first), pair, settings, Piece(monitor, to - middle - extending));
     }
     parallel_for(
         static_cast<int>(ranked.size()), settings.threads,

@@ -23,14 +23,24 @@ constexpr double contradicted = 1.0;
 
 // Whether a map puts most of the samples that it shares with `claimed` elsewhere.
 bool contradicts(const PartialMap& map, const PartialMap& claimed, double radius) {
-    int shared = 0;
-    int agreed = 0;
-    for (std::size_t s = 0; s < map.mapped.size(); ++s) {
-        if (!map.mapped[s] || !claimed.mapped[s]) continue;
-        ++shared;
-        agreed += (map.position[s] - claimed.position[s]).norm() < radius ? 1 : 0;
-    }
-    return shared > 3 && 2 * agreed < shared;
+    const Overlap overlap = overlap_of(map, claimed, radius);
+    return overlap.shared > 3 && 2 * overlap.agreed < overlap.shared;
+}
+
+// The two best of `here` go into `all`.
+template <class Candidate>
+void add_best(std::vector<Candidate>& here, std::vector<Candidate>& all) {
+    const auto keep = static_cast<std::ptrdiff_t>(std::min<std::size_t>(2, here.size()));
+    std::partial_sort(here.begin(), here.begin() + keep, here.end(),
+                      [](const Candidate& a, const Candidate& b) { return a.score < b.score; });
+    all.insert(all.end(), here.begin(), here.begin() + keep);
+}
+
+template <class Candidate>
+std::vector<Candidate> best_of(std::vector<Candidate> all, std::size_t most) {
+    std::stable_sort(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) { return a.score < b.score; });
+    if (all.size() > most) all.resize(most);
+    return all;
 }
 
 // A few small holes bend hardly any path.
@@ -109,9 +119,16 @@ void Completion::revive() {
     }
 }
 
+std::optional<Completion::Candidate> Completion::candidate(int s, int t) const {
+    const double incompatible = anchors_.incompatibility(s, pair_.target.samples.point[t]);
+    if (incompatible > settings_.blend.max_incompatibility) return std::nullopt;
+    const BestShift best = best_shift(pair_.source_descriptor[s], pair_.target_descriptor[t], settings_.feature);
+    if (best.distance >= not_comparable) return std::nullopt;
+    return Candidate{best.distance / pair_.chance + 3.0 * incompatible, {s, t, best.shift}};
+}
+
 std::vector<Completion::Candidate> Completion::candidates() const {
     const Samples& source = pair_.source.samples;
-    const Samples& target = pair_.target.samples;
     const std::vector<char> covered = covered_target();
     std::vector<Candidate> all;
     std::vector<Candidate> here;
@@ -119,26 +136,13 @@ std::vector<Completion::Candidate> Completion::candidates() const {
         if (map_.mapped[s] || (source.level[s] == 0 && s % 2 != 0)) continue;
         monitor_.check();
         here.clear();
-        for (int t = 0; t < target.count(); ++t) {
+        for (int t = 0; t < pair_.target.samples.count(); ++t) {
             if (covered[t]) continue;
-            const double incompatible = anchors_.incompatibility(s, target.point[t]);
-            if (incompatible > settings_.blend.max_incompatibility) continue;
-            const BestShift best =
-                best_shift(pair_.source_descriptor[s], pair_.target_descriptor[t], settings_.feature);
-            if (best.distance >= not_comparable) continue;
-            const double score = best.distance / pair_.chance + 3.0 * incompatible;
-            here.push_back({score, {s, t, best.shift}});
+            if (const auto found = candidate(s, t)) here.push_back(*found);
         }
-        const std::size_t keep = std::min<std::size_t>(2, here.size());
-        std::partial_sort(here.begin(), here.begin() + static_cast<std::ptrdiff_t>(keep), here.end(),
-                          [](const Candidate& a, const Candidate& b) { return a.score < b.score; });
-        all.insert(all.end(), here.begin(), here.begin() + static_cast<std::ptrdiff_t>(keep));
+        add_best(here, all);
     }
-    std::stable_sort(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) { return a.score < b.score; });
-    if (all.size() > static_cast<std::size_t>(settings_.seed.probes / 2)) {
-        all.resize(static_cast<std::size_t>(settings_.seed.probes / 2));
-    }
-    return all;
+    return best_of(std::move(all), static_cast<std::size_t>(settings_.seed.probes / 2));
 }
 
 void Completion::try_candidate(const TrialSeed& seed) {
@@ -187,21 +191,11 @@ std::vector<Completion::Candidate> Completion::challengers(const std::vector<int
         monitor_.check();
         here.clear();
         for (int s = 0; s < pair_.source.samples.count(); ++s) {
-            const double incompatible = anchors_.incompatibility(s, pair_.target.samples.point[t]);
-            if (incompatible > settings_.blend.max_incompatibility) continue;
-            const BestShift best =
-                best_shift(pair_.source_descriptor[s], pair_.target_descriptor[t], settings_.feature);
-            if (best.distance >= not_comparable) continue;
-            here.push_back({best.distance / pair_.chance + 3.0 * incompatible, {s, t, best.shift}});
+            if (const auto found = candidate(s, t)) here.push_back(*found);
         }
-        const std::size_t keep = std::min<std::size_t>(2, here.size());
-        std::partial_sort(here.begin(), here.begin() + static_cast<std::ptrdiff_t>(keep), here.end(),
-                          [](const Candidate& a, const Candidate& b) { return a.score < b.score; });
-        all.insert(all.end(), here.begin(), here.begin() + static_cast<std::ptrdiff_t>(keep));
+        add_best(here, all);
     }
-    std::stable_sort(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) { return a.score < b.score; });
-    if (all.size() > most_challengers) all.resize(most_challengers);
-    return all;
+    return best_of(std::move(all), most_challengers);
 }
 
 double Completion::incompatibility(const PartialMap& map) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "base/piece.h"
@@ -75,6 +76,8 @@ class Completion {
 
     void optimise(int iterations, double trim);
     void revive();
+    /// Nothing if the anchors or the descriptors exclude it.
+    [[nodiscard]] std::optional<Candidate> candidate(int s, int t) const;
     [[nodiscard]] std::vector<Candidate> candidates() const;
     [[nodiscard]] std::vector<char> covered_target() const;
     void try_candidate(const TrialSeed& seed);

@@ -16,8 +16,7 @@ namespace {
 constexpr double least_vacancy = 0.01;
 constexpr int most_contests = 9;
 // Of extension after a claim: what it leaves out is contested in turn.
-constexpr int careful_rounds = 1;
-constexpr int final_rounds = 3;
+constexpr int rounds_of_a_claim = 1;
 // Without a gain, one after the other.
 constexpr int most_failures = 3;
 // A claim must be worth more than the map by this factor.
@@ -32,8 +31,8 @@ bool same_part(const std::vector<int>& a, const std::vector<int>& b) {
 
 }  // namespace
 
-std::unique_ptr<Completion> contest(std::unique_ptr<Completion> completion, const Pair& pair, int threads,
-                                    Piece progress) {
+std::unique_ptr<Completion> contest(std::unique_ptr<Completion> completion, const Pair& pair,
+                                    const PatchSettings& settings, Piece progress) {
     std::vector<std::vector<int>> vacant = vacant_parts(pair, completion->map(), least_vacancy);
     if (vacant.empty()) return completion;
     completion->be_exclusive();
@@ -54,11 +53,11 @@ std::unique_ptr<Completion> contest(std::unique_ptr<Completion> completion, cons
         std::vector<double> scores(claims.size(), 0.0);
         std::vector<Piece> pieces = progress.split(static_cast<double>(round + 1) / (most_contests + 1), claims.size());
         parallel_for(
-            static_cast<int>(claims.size()), threads,
+            static_cast<int>(claims.size()), settings.threads,
             [&](int i, int /*worker*/) {
                 tries[i] = std::make_unique<Completion>(*completion);
                 tries[i]->yield_to(claims[i]);
-                tries[i]->extend_carefully(careful_rounds, pieces[i]);
+                tries[i]->extend_carefully(rounds_of_a_claim, pieces[i]);
                 scores[i] = choice_score(tries[i]->quality());
             },
             progress.monitor(), "blend", 0.0, 0.0);
@@ -76,7 +75,7 @@ std::unique_ptr<Completion> contest(std::unique_ptr<Completion> completion, cons
     }
     if (changed) {
         std::unique_ptr<Completion> extended = std::make_unique<Completion>(*completion);
-        extended->extend_carefully(final_rounds, progress.until(1.0));
+        extended->extend_carefully(settings.blend.careful_rounds, progress.until(1.0));
         if (choice_score(extended->quality()) > best) completion = std::move(extended);
     }
     progress.reach(1.0);

@@ -14,7 +14,7 @@ namespace isograft {
 ///
 /// Costs nothing where the map leaves no empty part. Equal bit for bit for any number of threads.
 /// \return `completion`, whose map is finished, or a better one.
-std::unique_ptr<Completion> contest(std::unique_ptr<Completion> completion, const Pair& pair, int threads,
-                                    Piece progress);
+std::unique_ptr<Completion> contest(std::unique_ptr<Completion> completion, const Pair& pair,
+                                    const PatchSettings& settings, Piece progress);
 
 }  // namespace isograft

@@ -17,6 +17,26 @@ std::vector<char> with_neighbours(const Samples& samples, const std::vector<char
     return result;
 }
 
+// The marked samples, sorted into parts joined by level-0 edges.
+std::vector<std::vector<int>> connected_parts(const Samples& samples, std::vector<char> marked) {
+    std::vector<std::vector<int>> parts;
+    for (int seed = 0; seed < samples.count(); ++seed) {
+        if (!marked[seed]) continue;
+        std::vector<int> part{seed};
+        marked[seed] = 0;
+        for (std::size_t i = 0; i < part.size(); ++i) {
+            for (const int e : samples.base_edges_of[part[i]]) {
+                const int other = samples.edges[e].other(part[i]);
+                if (!marked[other]) continue;
+                marked[other] = 0;
+                part.push_back(other);
+            }
+        }
+        parts.push_back(std::move(part));
+    }
+    return parts;
+}
+
 }  // namespace
 
 std::vector<std::vector<int>> vacant_parts(const Pair& pair, const PartialMap& map, double least) {
@@ -34,20 +54,9 @@ std::vector<std::vector<int>> vacant_parts(const Pair& pair, const PartialMap& m
     std::vector<std::vector<int>> parts;
     std::vector<double> areas;
     const double total = std::accumulate(target.area.begin(), target.area.end(), 0.0);
-    for (int seed = 0; seed < target.count(); ++seed) {
-        if (!open[seed]) continue;
-        std::vector<int> part{seed};
-        open[seed] = 0;
+    for (std::vector<int>& part : connected_parts(target, open)) {
         double area = 0.0;
-        for (std::size_t i = 0; i < part.size(); ++i) {
-            area += target.area[part[i]];
-            for (const int e : target.base_edges_of[part[i]]) {
-                const int t = target.edges[e].other(part[i]);
-                if (!open[t]) continue;
-                open[t] = 0;
-                part.push_back(t);
-            }
-        }
+        for (const int t : part) area += target.area[t];
         if (area < least * total) continue;
         std::sort(part.begin(), part.end());
         parts.push_back(std::move(part));
@@ -64,7 +73,7 @@ std::vector<std::vector<int>> vacant_parts(const Pair& pair, const PartialMap& m
 
 namespace {
 
-// Samples of S within `steps` edges of `sample`, into `ring`; `mark` is all false before and after.
+// Samples of S within `steps` edges of `sample`, into `ring`, and marked.
 void ring_of(const Samples& source, int sample, int steps, std::vector<int>& ring, std::vector<char>& mark) {
     ring.assign(1, sample);
     mark[sample] = 1;
@@ -80,15 +89,14 @@ void ring_of(const Samples& source, int sample, int steps, std::vector<int>& rin
             }
         }
     }
-    for (const int s : ring) mark[s] = 0;
 }
 
 }  // namespace
 
 std::vector<char> doubled(const Pair& pair, const PartialMap& map, const std::vector<double>& doubts) {
-    constexpr int near = 4;           // edges on S: nearer samples are one part that is only squeezed
-    constexpr double together = 0.8;  // spacings on T
-    constexpr int fewest = 4;         // samples of a part
+    constexpr int near = 4;            // edges on S: nearer samples are one part that is only squeezed
+    constexpr double together = 0.8;   // spacings on T
+    constexpr std::size_t fewest = 4;  // samples of a part
     const Samples& source = pair.source.samples;
     const Samples& target = pair.target.samples;
     std::vector<std::vector<int>> cell(target.count());
@@ -109,44 +117,33 @@ std::vector<char> doubled(const Pair& pair, const PartialMap& map, const std::ve
             there.insert(there.end(), beside.begin(), beside.end());
         }
         ring_of(source, s, near, ring, mark);
-        for (const int r : ring) mark[r] = 1;
         for (const int other : there) {
             if (mark[other]) continue;
             if ((map.position[other] - map.position[s]).norm() < together * source.spacing) rivals[s].push_back(other);
         }
         for (const int r : ring) mark[r] = 0;
     }
-    // Connected parts of S in conflict.
+    std::vector<char> disputed(source.count());
+    for (int s = 0; s < source.count(); ++s) disputed[s] = rivals[s].empty() ? 0 : 1;
+    // Per sample its part of S in conflict, none if that is too small, and per part its mean doubt.
     std::vector<int> part(source.count(), -1);
-    std::vector<double> sum;
-    std::vector<int> size;
-    for (int seed = 0; seed < source.count(); ++seed) {
-        if (part[seed] >= 0 || rivals[seed].empty()) continue;
-        const int label = static_cast<int>(size.size());
-        std::vector<int> stack{seed};
-        part[seed] = label;
-        sum.push_back(0.0);
-        size.push_back(0);
-        while (!stack.empty()) {
-            const int u = stack.back();
-            stack.pop_back();
-            sum[label] += doubts[u];
-            ++size[label];
-            for (const int e : source.base_edges_of[u]) {
-                const int v = source.edges[e].other(u);
-                if (part[v] >= 0 || rivals[v].empty()) continue;
-                part[v] = label;
-                stack.push_back(v);
-            }
+    std::vector<double> mean;
+    for (const std::vector<int>& members : connected_parts(source, disputed)) {
+        if (members.size() < fewest) continue;
+        double sum = 0.0;
+        for (const int s : members) {
+            part[s] = static_cast<int>(mean.size());
+            sum += doubts[s];
         }
+        mean.push_back(sum / static_cast<double>(members.size()));
     }
     std::vector<char> loses(source.count(), 0);
     for (int s = 0; s < source.count(); ++s) {
-        if (part[s] < 0 || size[part[s]] < fewest) continue;
+        if (part[s] < 0) continue;
         for (const int other : rivals[s]) {
-            if (part[other] == part[s] || size[part[other]] < fewest) continue;
-            const double mine = sum[part[s]] / size[part[s]];
-            const double theirs = sum[part[other]] / size[part[other]];
+            if (part[other] < 0 || part[other] == part[s]) continue;
+            const double mine = mean[part[s]];
+            const double theirs = mean[part[other]];
             if (mine > theirs || (mine == theirs && part[s] > part[other])) loses[s] = 1;
         }
     }
@@ -157,23 +154,19 @@ namespace {
 
 bool compatible(const Samples& source, const PartialMap& a, const PartialMap& b, double radius) {
     constexpr double far = 3.0;  // radii on S that are no longer one place
-    int shared = 0;
-    int agreed = 0;
+    const Overlap overlap = overlap_of(a, b, radius);
+    if (2 * overlap.agreed < overlap.shared) return false;
     int together = 0;
     int doubled = 0;
     for (int s = 0; s < source.count(); ++s) {
         if (!a.mapped[s]) continue;
-        if (b.mapped[s]) {
-            ++shared;
-            agreed += (a.position[s] - b.position[s]).norm() < radius ? 1 : 0;
-        }
         for (int r = 0; r < source.count(); ++r) {
             if (!b.mapped[r] || (a.position[s] - b.position[r]).norm() >= radius) continue;
             ++together;
             doubled += (source.position[s] - source.position[r]).norm() > far * radius ? 1 : 0;
         }
     }
-    return 2 * agreed >= shared && 4 * doubled <= together;
+    return 4 * doubled <= together;
 }
 
 }  // namespace

@@ -31,6 +31,16 @@ void PartialMap::drop(int sample) {
     mapped[sample] = 0;
 }
 
+Overlap overlap_of(const PartialMap& a, const PartialMap& b, double radius) {
+    Overlap result;
+    for (std::size_t s = 0; s < a.mapped.size(); ++s) {
+        if (!a.mapped[s] || !b.mapped[s]) continue;
+        ++result.shared;
+        result.agreed += (a.position[s] - b.position[s]).norm() < radius ? 1 : 0;
+    }
+    return result;
+}
+
 void measure_seed_distance(const Samples& source, PartialMap& map) {
     std::fill(map.seed_distance.begin(), map.seed_distance.end(), far_away);
     using Item = std::pair<float, int>;

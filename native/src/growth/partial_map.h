@@ -29,6 +29,14 @@ struct PartialMap {
     void drop(int sample);
 };
 
+/// How many samples two maps share, and how many of these they put in one place.
+struct Overlap {
+    int shared = 0;
+    int agreed = 0;
+};
+/// \param radius images nearer than this are in one place.
+Overlap overlap_of(const PartialMap& a, const PartialMap& b, double radius);
+
 /// Recompute `seed_distance` from `map.seed` over the mapped samples.
 void measure_seed_distance(const Samples& source, PartialMap& map);
 

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "blend/completion_bench.h"
 #include "isograft/errors.h"
 #include "twins.h"
 
@@ -23,22 +24,13 @@ const std::vector<Patch>& low_patches() {
         for (int s = 0; s < samples.count(); s += 4) {
             if (samples.position[s].y() < -0.1) matches.push_back(twins().true_match(s));
         }
-        PatchSettings settings = twins().settings();
-        settings.blend.patches = 8;
-        settings.blend.patch_size = 40;
-        Monitor monitor;
-        return grow_patches(twins().pair(), settings, matches, 0, monitor, 0.0, 1.0);
+        return right_patches(matches, 8);
     }();
     return patches;
 }
 
-/// A completion with all that it refers to.
-struct Bench {
-    PatchSettings settings = twins().settings();
-    Monitor monitor;
-    Trials trials{twins().pair(), settings, 2 * settings.seed.probe_size};
-    DriftFinder drift{twins().pair(), settings.feature};
-    Completion completion{twins().pair(), settings, low_patches(), trials, drift, monitor};
+struct Bench : CompletionBench {
+    Bench() : CompletionBench(low_patches()) {}
 
     void start() { completion.start({std::vector<char>(low_patches().size(), 1), 1}); }
 };

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "blend/completion_bench.h"
 #include "twins.h"
 
 namespace isograft {
@@ -34,26 +35,19 @@ const std::vector<Patch>& patches() {
     static const std::vector<Patch> result = [] {
         std::vector<OrientedMatch> matches;
         for (int s = 0; s < twins().pair().source.samples.count(); s += 5) matches.push_back(twins().true_match(s));
-        PatchSettings settings = twins().settings();
-        settings.blend.patches = 40;
-        settings.blend.patch_size = 40;
-        Monitor monitor;
-        return grow_patches(twins().pair(), settings, matches, 0, monitor, 0.0, 1.0);
+        return right_patches(matches, 40);
     }();
     return result;
 }
 
-struct Bench {
-    PatchSettings settings = twins().settings();
-    Monitor monitor;
-    Trials trials{twins().pair(), settings, 2 * settings.seed.probe_size};
-    DriftFinder drift{twins().pair(), settings.feature};
-    std::unique_ptr<Completion> completion =
-        std::make_unique<Completion>(twins().pair(), settings, patches(), trials, drift, monitor);
+struct Bench : CompletionBench {
+    Bench() : CompletionBench(patches()) {}
 
-    std::unique_ptr<Completion> run(int threads) {
-        return contest(std::move(completion), twins().pair(), threads, Piece(monitor));
+    std::unique_ptr<Completion> run(std::unique_ptr<Completion> from, int threads) {
+        settings.threads = threads;
+        return contest(std::move(from), twins().pair(), settings, Piece(monitor));
     }
+    std::unique_ptr<Completion> run(int threads) { return run(std::make_unique<Completion>(completion), threads); }
 };
 
 /// The true map but for one end, whose samples lie on those of the other end: that end of T stays empty.
@@ -75,7 +69,7 @@ PartialMap one_end_on_the_other() {
 const PartialMap& contested() {
     static const PartialMap map = [] {
         Bench bench;
-        bench.completion->map() = one_end_on_the_other();
+        bench.completion.map() = one_end_on_the_other();
         return bench.run(1)->map();
     }();
     return map;
@@ -83,20 +77,21 @@ const PartialMap& contested() {
 
 TEST(Contest, LeavesAWholeMapAlone) {
     Bench bench;
-    bench.completion->map() = twins().true_map(twins().all_samples());
-    const Completion* before = bench.completion.get();
-    const std::unique_ptr<Completion> after = bench.run(1);
+    bench.completion.map() = twins().true_map(twins().all_samples());
+    auto completion = std::make_unique<Completion>(bench.completion);
+    const Completion* before = completion.get();
+    const std::unique_ptr<Completion> after = bench.run(std::move(completion), 1);
     EXPECT_EQ(after.get(), before);
     EXPECT_EQ(after->map().count, static_cast<int>(twins().all_samples().size()));
 }
 
 TEST(Contest, BringsBackAnEndThatLayOnTheOther) {
     Bench bench;
-    bench.completion->be_exclusive();
-    bench.completion->map() = one_end_on_the_other();
-    const double before = choice_score(bench.completion->quality());
-    bench.completion->map() = contested();
-    EXPECT_GT(choice_score(bench.completion->quality()), before);
+    bench.completion.be_exclusive();
+    bench.completion.map() = one_end_on_the_other();
+    const double before = choice_score(bench.completion.quality());
+    bench.completion.map() = contested();
+    EXPECT_GT(choice_score(bench.completion.quality()), before);
     int right = 0;
     int count = 0;
     for (const int s : twins().all_samples()) {
@@ -110,7 +105,7 @@ TEST(Contest, BringsBackAnEndThatLayOnTheOther) {
 
 TEST(Contest, IsTheSameWithOneThreadAndWithTwo) {
     Bench bench;
-    bench.completion->map() = one_end_on_the_other();
+    bench.completion.map() = one_end_on_the_other();
     const PartialMap map = bench.run(2)->map();
     EXPECT_EQ(map.mapped, contested().mapped);
     EXPECT_EQ(map.position, contested().position);
