@@ -12,6 +12,8 @@ from .bridge import Array, Input, RefusedError, Texture
 from .pairing import Donor
 
 _EXTENSION = {"REPEAT": "repeat", "EXTEND": "extend", "CLIP": "clip", "MIRROR": "repeat"}
+_TILE_EDGE = 1e-4
+"""UVs this far beyond a UDIM tile lie on its edge."""
 _LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
@@ -22,7 +24,9 @@ class BakedInput:
     shown: Input
     """How the new material shows it."""
     images: list[Any]
-    """Per material an array (h, w, c), a constant (c,) or None."""
+    """Per material an array (h, w, c), a constant (c,) or None; by the tile's number at first."""
+    tiles: Array
+    """(p,) number of the UDIM tile that a face lies in, 0 where its image has none."""
     space: str
     uv: Array
     """(l, 2) or (3 G, 2): every corner in the UV map and placement that its own material asks for."""
@@ -50,6 +54,16 @@ class Gift:
     uv: Array
     """(l, 2), the rendered map."""
     warnings: list[str] = field(default_factory=list)
+
+    def spread(self) -> None:
+        """Make a material of its own of every tile, so that every input has one image per material."""
+        keys = np.column_stack([self.polygon_slots, *(item.tiles for item in self.inputs)])
+        rows, self.polygon_slots = np.unique(keys, axis=0, return_inverse=True)
+        self.polygon_slots = self.polygon_slots.reshape(-1)
+        self.inputs = [
+            replace(item, images=[item.images[row[0]] and item.images[row[0]][row[k]] for row in rows.tolist()])
+            for k, item in enumerate(self.inputs, 1)
+        ]
 
     def inputs_for(self, loops: Array) -> list[BakedInput]:
         """With UVs of the triangle corners `loops` (G, 3)."""
@@ -82,16 +96,17 @@ def read(donor: Donor, as_float: bool) -> Gift:
         ]
     by_name = {index: {item.name: item for item in inputs} for index, (inputs, _) in read_in.items()}
     maps = {layer.name: layer.values for layer in layers} | {"": render.values}
-    loop_slots = slots[donor.arrays.loop_polygons]
+    shown_by = slots, donor.arrays.loop_polygons
     first = used[0]
     constants = list(by_name[first].values())
     for name in by_name[first]:
         items = {index: inputs[name] for index, inputs in by_name.items() if name in inputs}
         if _is_baked(list(items.values())):
             _refuse_mixture(obj.name, name, items, gift.warnings)
-            gift.inputs.append(_baked(obj.name, items, materials, maps, loop_slots, constants, as_float, render.name))
+            gift.inputs.append(_baked(obj.name, items, materials, maps, shown_by, constants, as_float, gift))
     if not any(item.texture for inputs in by_name.values() for item in inputs.values()):
         raise RefusedError(f"{obj.name}: no material of it has an image; connect one to a Principled BSDF first")
+    gift.spread()
     return gift
 
 
@@ -106,47 +121,94 @@ def _baked(
     items: dict[int, Input],
     materials: list[Any],
     maps: dict[str, Array],
-    loop_slots: Array,
+    shown_by: tuple[Array, Array],
     constants: list[Input],
     as_float: bool,
-    render: str,
+    gift: Gift,
 ) -> BakedInput:
     textures = {index: item.texture for index, item in items.items() if item.texture is not None}
     shown = next((item for item in items.values() if item.texture is not None), next(iter(items.values())))
-    pixels = {
-        index: bridge.read_image(texture.image, f"{owner}, {shown.name} of the material {materials[index].name}")
-        for index, texture in textures.items()
-    }
+    pixels, uv, tiles = _read_textures(owner, shown, items, materials, maps, shown_by, gift)
     spaces = {"Non-Color" if t.component == 3 else bridge.color_space(t.image) for t in textures.values()}
     is_color = shown.kind == "color"
     out_of_range = any(not item.texture and not all(0 <= v <= 1 for v in item.value) for item in items.values())
-    stays_byte = not as_float and not any(p.dtype != np.uint8 for p in pixels.values()) and len(spaces) <= 1
+    are_bytes = all(image.dtype == np.uint8 for read in pixels.values() for image in read.values())
+    stays_byte = not as_float and are_bytes and len(spaces) <= 1
     stays_byte &= shown.kind in {"normal", "bump"} or not out_of_range
     if not textures:
         spaces = {"sRGB" if is_color else "Non-Color"}
     width = 1 if shown.kind in {"value", "bump"} else 3
     images: list[Any] = [None] * len(materials)
-    uv = np.array(maps[""])
     for index, item in items.items():
-        texture = textures.get(index)
+        if item.texture is None:
+            images[index] = {0: _constant(item, width, stays_byte, "sRGB" in spaces)}
+        else:
+            images[index] = {
+                number: _values(read, item.texture, width, stays_byte) for number, read in pixels[index].items()
+            }
+    space = next(iter(spaces)) if stays_byte else ("" if is_color else "Non-Color")
+    taken = shown.texture
+    # A tile is read at what is left of the UVs beyond whole numbers.
+    extension = _EXTENSION[taken.extension] if taken and not tiles.any() else "repeat"
+    interpolation = "closest" if taken and taken.interpolation == "Closest" else "linear"
+    return BakedInput(shown, images, tiles, space, uv, extension, interpolation, constants)
+
+
+def _read_textures(
+    owner: str,
+    shown: Input,
+    items: dict[int, Input],
+    materials: list[Any],
+    maps: dict[str, Array],
+    shown_by: tuple[Array, Array],
+    gift: Gift,
+) -> tuple[dict[int, dict[int, Array]], Array, Array]:
+    """Per material the images of its tiles by their numbers, 0 without tiles; BakedInput's `uv` (l, 2) and `tiles`.
+
+    Args:
+        shown_by: material of every polygon, and polygon of every loop.
+    """
+    slots, loop_polygons = shown_by
+    uv, tiles = np.array(maps[""]), np.zeros(len(slots), dtype=np.int64)
+    pixels: dict[int, dict[int, Array]] = {}
+    for index, item in items.items():
+        texture = item.texture
         if texture is None:
-            images[index] = _constant(item, width, stays_byte, "sRGB" in spaces)
             continue
-        images[index] = _values(pixels[index], texture, width, stays_byte)
+        where = f"{owner}, {shown.name} of the material {materials[index].name}"
         if texture.uv_map not in maps:
             raise RefusedError(
                 f"{owner}: the material {materials[index].name} asks for a UV map called {texture.uv_map}, which is "
                 "not there; make it, or choose another in the material"
             )
         if shown.kind == "normal":
-            _refuse_turned(f"{owner}: {shown.name} of the material {materials[index].name}", item, render)
-        mine = loop_slots == index
+            _refuse_turned(f"{owner}: {shown.name} of the material {materials[index].name}", item, gift.uv_name)
+        mine = slots[loop_polygons] == index
         uv[mine] = maps[texture.uv_map][mine] @ texture.placement[:2, :2].T + texture.placement[:2, 2]
-    space = next(iter(spaces)) if stays_byte else ("" if is_color else "Non-Color")
-    texture = shown.texture
-    extension = _EXTENSION[texture.extension] if texture else "repeat"
-    interpolation = "closest" if texture and texture.interpolation == "Closest" else "linear"
-    return BakedInput(shown, images, space, uv, extension, interpolation, constants)
+        if texture.image.source != "TILED":
+            pixels[index] = {0: bridge.read_image(texture.image, where)}
+            continue
+        polygons = np.flatnonzero(slots == index)
+        tiles[polygons], across = _tiles(uv, loop_polygons, len(slots), polygons)
+        pixels[index] = bridge.read_tiles(texture.image, np.unique(tiles[polygons]).tolist(), where)
+        if across:
+            gift.warnings.append(
+                f"{where}: {across:,} faces reach from one UDIM tile into another; each is read in that of its middle"
+            )
+    return pixels, uv, tiles
+
+
+def _tiles(uv: Array, loop_polygons: Array, count: int, polygons: Array) -> tuple[Array, int]:
+    """The UDIM tile under the middle of each of the polygons, -1 for none; how many of them reach beyond it."""
+    size = np.maximum(np.bincount(loop_polygons, minlength=count), 1)
+    middle = np.stack([np.bincount(loop_polygons, weights=uv[:, k], minlength=count) / size for k in range(2)], axis=1)
+    low = np.floor(middle)
+    beyond = (uv < low[loop_polygons] - _TILE_EDGE) | (uv > low[loop_polygons] + 1.0 + _TILE_EDGE)
+    across = np.zeros(count, dtype=bool)
+    across[loop_polygons[beyond.any(axis=1)]] = True
+    inside = (low >= 0.0).all(axis=1) & (low[:, 0] < 10.0)
+    number = np.where(inside, bridge.FIRST + low @ [1, 10], -1).astype(np.int64)
+    return number[polygons], int(across[polygons].sum())
 
 
 def _refuse_turned(where: str, item: Input, render: str) -> None:

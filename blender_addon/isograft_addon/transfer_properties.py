@@ -66,7 +66,7 @@ def transfer_settings() -> dict[str, Any]:
         ),
         "fill": _switch(
             "Fill Unmatched",
-            "Complete smoothly what is unmatched, and mark it in isograft_filled; values of edges are left empty",
+            "Complete smoothly what is unmatched, and mark it in the attribute isograft_filled",
             default.fill,
         ),
         "link_materials": _switch(

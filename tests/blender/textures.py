@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Images whose truth is known: the atlas of shapes.cube_uv painted with the colour of every direction."""
 
+from pathlib import Path
 from typing import Any
 
 import bpy
@@ -32,6 +33,29 @@ def new_image(name: str, pixels: Array, is_float: bool = False, space: str = "")
     image.pixels.foreach_set(np.ascontiguousarray(pixels, dtype=np.float32).ravel())
     image.update()
     image.pack()
+    return image
+
+
+def tiled_image(folder: Path, tiles: dict[int, Array], is_packed: bool) -> Any:
+    """An image "Tiles" of UDIM tiles by their numbers, read from files that are gone if it is packed."""
+    paths = []
+    for number, pixels in tiles.items():
+        image = new_image("Tile", pixels)
+        paths.append(folder / f"tiles.{number}.png")
+        image.filepath_raw, image.file_format = str(paths[-1]), "PNG"
+        image.save()
+        bpy.data.images.remove(image)
+    image = bpy.data.images.load(str(paths[0]))
+    image.name, image.source = "Tiles", "TILED"
+    image.filepath = str(folder / "tiles.<UDIM>.png")
+    image.reload()
+    for number in tiles:
+        if number not in [tile.number for tile in image.tiles]:
+            image.tiles.new(number)
+    if is_packed:
+        image.pack()
+        for path in paths:
+            path.unlink()
     return image
 
 

@@ -4,7 +4,14 @@
 Reading never changes an object. Writing only happens in the write_... functions, which expect arrays that are ready.
 """
 
-from .attributes import AttributeLayer, read_attribute, read_attributes, read_face_attribute, write_attribute
+from .attributes import (
+    AttributeLayer,
+    attribute_names,
+    read_attribute,
+    read_attributes,
+    read_face_attribute,
+    write_attribute,
+)
 from .cut import cut_faces, trial
 from .groups import Group, armature_modifiers, read_groups, read_weights, write_armatures, write_weights
 from .images import color_space, is_data, read_image, write_image, write_material
@@ -39,9 +46,11 @@ from .meshes import (
     write_vertices,
 )
 from .shading import Input, Texture, read_inputs
+from .tiles import FIRST, read_tiles
 from .unwrap import smart_unwrap
 
 __all__ = [
+    "FIRST",
     "MAX_UV_LAYERS",
     "PROPERTY",
     "Array",
@@ -57,6 +66,7 @@ __all__ = [
     "activate_color",
     "are_relative",
     "armature_modifiers",
+    "attribute_names",
     "color_space",
     "copy_drivers",
     "copy_mesh",
@@ -78,6 +88,7 @@ __all__ = [
     "read_keys",
     "read_property",
     "read_receiver",
+    "read_tiles",
     "read_uv_layers",
     "read_weights",
     "refuse_unwritable",

@@ -36,20 +36,47 @@ _STORAGE: dict[str, tuple[str, Any, int]] = {
     "STRING": ("value", object, 1),
 }
 
-_OWN_CARRIERS = {"position", "material_index", "sharp_face", "sharp_edge", "custom_normal", "id"}
+_OWN_CARRIERS = {"position", "material_index", "sharp_face", "custom_normal", "id"}
 """Built-in attributes that are no user's data; what they hold has kinds of its own or follows from the shape."""
+
+_EDGE_PROPERTIES = {
+    "crease_edge": ("crease", "FLOAT"),
+    "bevel_weight_edge": ("bevel_weight", "FLOAT"),
+    "sharp_edge": ("use_edge_sharp", "BOOLEAN"),
+}
+"""Values that edges have as properties in some versions of Blender, by the names of the attributes of others."""
+
+
+def _edge_properties() -> dict[str, tuple[str, str]]:
+    """Those that are properties in this Blender."""
+    known = bpy.types.MeshEdge.bl_rna.properties
+    return {name: item for name, item in _EDGE_PROPERTIES.items() if item[0] in known}
+
+
+def _read_edge_properties(mesh: bpy.types.Mesh) -> list[AttributeLayer]:
+    """Of edges some of which have more than the default of 0."""
+    layers = [
+        AttributeLayer(name, "EDGE", kind, get_array(mesh.edges, key, _STORAGE[kind][1]))
+        for name, (key, kind) in _edge_properties().items()
+    ]
+    return [layer for layer in layers if layer.values.any()]
+
+
+def attribute_names(mesh: bpy.types.Mesh) -> set[str]:
+    """Names that are taken on a mesh: those of its attributes, and of the properties in use that stand for some."""
+    return {layer.name for layer in (*mesh.attributes, *_read_edge_properties(mesh))}
 
 
 def read_attributes(mesh: bpy.types.Mesh) -> list[AttributeLayer]:
     """The user's attributes: neither colours nor UV maps, nothing that Blender or this add-on keeps for itself."""
     taken = {layer.name for layer in mesh.uv_layers} | {layer.name for layer in mesh.color_attributes}
-    return [
+    taken |= _OWN_CARRIERS | set(_edge_properties())
+    layers = [
         AttributeLayer(layer.name, layer.domain, layer.data_type, _values(layer))
         for layer in mesh.attributes
-        if layer.name not in taken | _OWN_CARRIERS
-        and not layer.name.startswith((".", "isograft_"))
-        and layer.data_type in _STORAGE
+        if layer.name not in taken and not layer.name.startswith((".", "isograft_")) and layer.data_type in _STORAGE
     ]
+    return layers + _read_edge_properties(mesh)
 
 
 def read_attribute(obj: bpy.types.Object, name: str, data_type: str) -> Array | None:
@@ -70,6 +97,10 @@ def read_face_attribute(mesh: bpy.types.Mesh, name: str, data_type: str) -> Arra
 
 def write_attribute(obj: bpy.types.Object, name: str, domain: str, data_type: str, values: Array) -> None:
     """Write an attribute, in place of one of the same name."""
+    in_edges = _edge_properties().get(name)
+    if in_edges is not None and (domain, data_type) == ("EDGE", in_edges[1]):
+        obj.data.edges.foreach_set(in_edges[0], np.ascontiguousarray(values, dtype=_STORAGE[data_type][1]))
+        return
     attributes = obj.data.attributes
     old = attributes.get(name)
     if old is not None and (old.data_type, old.domain) != (data_type, domain):

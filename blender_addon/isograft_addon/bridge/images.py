@@ -19,8 +19,6 @@ def read_image(image: Any, where: str) -> Array:
         RefusedError: the file is missing or unreadable, or the image is no single picture.
     """
     name = f"{where}: the image {image.name}"
-    if image.source == "TILED":
-        raise RefusedError(f"{name} has UDIM tiles, which are not read; join them into one image first")
     if image.source in {"SEQUENCE", "MOVIE"}:
         raise RefusedError(f"{name} is a {image.source.lower()}, which is not read; choose a single image")
     if image.source == "VIEWER":

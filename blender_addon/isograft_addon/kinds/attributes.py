@@ -11,7 +11,7 @@ from ..bridge import Array, AttributeLayer, RefusedError
 from ..pairing import Donor, Pair
 from ..settings import Names, Settings, choose
 from .base import Kind
-from .filling import fill_faces, fill_points
+from .filling import fill_edges, fill_faces, fill_points
 
 _WORDS = {"POINT": "points", "EDGE": "edges", "FACE": "faces", "CORNER": "face corners"}
 
@@ -97,7 +97,11 @@ class Attributes(Kind):
             values,
             progress=self.step(len(self._layers)),
         )
-        return moved.values
+        result = moved.values
+        if self.settings.fill:
+            result, filled = fill_edges(pair, result)
+            self.filled |= filled
+        return result
 
 
 def _without_objects(values: Array) -> Array:

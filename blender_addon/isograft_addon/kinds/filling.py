@@ -38,6 +38,21 @@ def fill_faces(pair: Pair, values: Array, known: Array) -> tuple[Array, Array]:
     return completed, marks(pair, known[pair.own.polygons], filled[pair.own.polygons])
 
 
+def fill_edges(pair: Pair, values: Array) -> tuple[Array, Array]:
+    """Values (e, ...) of the receiver's edges carried on from the matched ones, and the vertices (n,) that were filled.
+
+    A matched edge without a value has none on the donor either: that is known of it.
+    """
+    edges, matched = pair.arrays.edges, pair.matched
+    known = matched[edges].all(axis=1)
+    marked = np.zeros(len(matched), dtype=bool)
+    if known.all() or not known.any():
+        return values, marked
+    completed, filled = transfer.fill_edge(pair.own.vertices, edges, values, known)
+    marked[edges[filled]] = True
+    return completed, marked & ~matched
+
+
 def _corners(fill: Any, pair: Pair, values: Array, known: Array) -> tuple[Array, Array, Array]:
     # A polygon with an unmatched triangle is unmatched as a whole.
     whole = pair.whole_polygons(known)[pair.own.polygons]

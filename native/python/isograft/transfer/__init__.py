@@ -10,6 +10,7 @@ from isograft.transfer.attributes import Located, locate, transfer_face
 from isograft.transfer.baking import Baked, Channel, bake
 from isograft.transfer.corners import TransferredUV, transfer_corner, transfer_corner_uv, transfer_point, uv_islands
 from isograft.transfer.cutting import CutMesh, cut_along_seams
+from isograft.transfer.edge_filling import fill_edge
 from isograft.transfer.edges import transfer_edge
 from isograft.transfer.filling import Filled, fill_corner, fill_face, fill_point
 from isograft.transfer.inverse import invert
@@ -33,6 +34,7 @@ __all__ = [
     "bake",
     "cut_along_seams",
     "fill_corner",
+    "fill_edge",
     "fill_face",
     "fill_normals",
     "fill_point",
