@@ -12,6 +12,7 @@ from isograft import transfer
 
 from . import bridge, matching
 from .bridge import Array, RefusedError
+from .job import Progress
 from .pairing import Pair
 
 _COUNTED = {"MULTIRES", "PARTICLE_SYSTEM", "MESH_CACHE", "MESH_SEQUENCE_CACHE"}
@@ -82,36 +83,54 @@ def refuse(pair: Pair) -> None:
                 )
 
 
-def find(pair: Pair, corner_uv: Array) -> Cut | None:
-    """Where the seams of the donor's UV map (3 G, 2) run through faces of the receiver; None if nowhere."""
-    found = transfer.cut_along_seams(pair.correspondence, *pair.geometry(), corner_uv)
-    rows = _rows_of(pair.arrays.edges, found.edges)
-    real = np.flatnonzero(rows >= 0)
-    if not len(real):
-        return None
-    number = np.full(len(found.edges) + 1, -1)
-    number[real] = np.arange(len(real))
-    sides = np.stack([pair.own.triangles, np.roll(pair.own.triangles, -1, axis=1)], axis=2).reshape(-1, 2)
-    crossed = _rows_of(found.edges, sides).reshape(-1, 3)
-    faces, ends, left_whole = _chords(pair, crossed, number, rows[real])
-    new = len(pair.own.vertices) + real
-    read = {name: bridge.read_attribute(pair.receiver, name, matching.ATTRIBUTES[name]) for name in _MEANS}
-    first, second = found.edges[real].T
-    at = SimpleNamespace(
-        face=found.face[new],
-        barycentric=found.barycentric[new],
-        vertex=found.vertex[new],
-        **{field: combine(read[name][first], read[name][second]) for name, (field, combine) in _MEANS.items()},
-    )
-    return Cut(
-        rows[real],
-        first.astype(np.int64),
-        found.fraction[real],
-        faces,
-        ends,
-        matching.attributes(pair.donor.arrays, at),
-        left_whole,
-    )
+@dataclass(frozen=True)
+class Search:
+    """What finding a cut needs of Blender, read; find() touches no object of Blender's."""
+
+    pair: Pair
+    corner_uv: Array
+    """(3 G, 2) of the donor's UV map."""
+    read: dict[str, Array]
+    """Attributes of the match that new vertices take the mean of."""
+
+    @classmethod
+    def of(cls, pair: Pair, corner_uv: Array) -> "Search":
+        """Read the attributes from the receiver's own mesh."""
+        kinds = {name: matching.ATTRIBUTES[name] for name in _MEANS}
+        return cls(
+            pair, corner_uv, {name: bridge.read_attribute(pair.receiver, name, kind) for name, kind in kinds.items()}
+        )
+
+    def find(self, progress: Progress | None = None) -> Cut | None:
+        """Where the seams of the donor's UV map run through faces of the receiver; None if nowhere."""
+        pair, read = self.pair, self.read
+        found = transfer.cut_along_seams(pair.correspondence, *pair.geometry(), self.corner_uv, progress=progress)
+        rows = _rows_of(pair.arrays.edges, found.edges)
+        real = np.flatnonzero(rows >= 0)
+        if not len(real):
+            return None
+        number = np.full(len(found.edges) + 1, -1)
+        number[real] = np.arange(len(real))
+        sides = np.stack([pair.own.triangles, np.roll(pair.own.triangles, -1, axis=1)], axis=2).reshape(-1, 2)
+        crossed = _rows_of(found.edges, sides).reshape(-1, 3)
+        faces, ends, left_whole = _chords(pair, crossed, number, rows[real])
+        new = len(pair.own.vertices) + real
+        first, second = found.edges[real].T
+        at = SimpleNamespace(
+            face=found.face[new],
+            barycentric=found.barycentric[new],
+            vertex=found.vertex[new],
+            **{field: combine(read[name][first], read[name][second]) for name, (field, combine) in _MEANS.items()},
+        )
+        return Cut(
+            rows[real],
+            first.astype(np.int64),
+            found.fraction[real],
+            faces,
+            ends,
+            matching.attributes(pair.donor.arrays, at),
+            left_whole,
+        )
 
 
 _MEANS = {

@@ -6,17 +6,18 @@ from typing import Any
 
 import bpy
 import numpy as np
+from isograft.progress import part_of
 
 from . import bridge, cutting, pairing
 from .bridge import RefusedError
-from .cutting import Cut
+from .cutting import Cut, Search
 from .job import Progress, in_turn
 from .kinds import KINDS, Kind, UVMaps
 from .matching import Messages
 from .pairing import Pair
 from .settings import Names, Settings
 
-__all__ = ["Graft", "Settings", "TransferTask", "prepare"]
+__all__ = ["CutSearch", "Graft", "Settings", "TransferTask", "prepare"]
 
 FILLED = "isograft_filled"
 """Point attribute on the receiver: True where what was received is completed, not found."""
@@ -90,6 +91,8 @@ class TransferTask:
     """Of every receiver, to be made before it is written to."""
     hashes: list[str]
     """Of the receivers' meshes before any cut."""
+    done: float = 0.0
+    """What was done before, of the progress."""
 
     def task(self) -> "TransferTask":
         """The part that needs no Blender: run()."""
@@ -97,7 +100,7 @@ class TransferTask:
 
     def run(self, progress: Progress) -> list[Graft]:
         """Compute everything."""
-        for graft, part in in_turn(self.grafts, progress):
+        for graft, part in in_turn(self.grafts, part_of(progress, self.done, 1.0)):
             graft.compute(part)
         return self.grafts
 
@@ -108,9 +111,7 @@ class TransferTask:
             RefusedError: an object was removed or changed meanwhile; nothing is written.
         """
         depsgraph = bpy.context.evaluated_depsgraph_get()
-        donor = bpy.data.objects.get(self.donor_name)
-        if donor is None:
-            raise RefusedError(f"{self.donor_name} was removed or renamed meanwhile; nothing was written")
+        donor = pairing.donor_again(self.donor_name)
         for graft, content_hash in zip(grafts, self.hashes, strict=True):
             graft.find_again(depsgraph, content_hash, donor)
         messages: Messages = []
@@ -121,8 +122,66 @@ class TransferTask:
         return messages
 
 
-def prepare(donor: Any, receivers: list[Any], context: bpy.types.Context, settings: Settings) -> TransferTask:
-    """Read everything a transfer needs, and find where to cut; changes nothing.
+@dataclass(frozen=True)
+class CutSearch:
+    """A transfer that cuts first, on its way: where to, for one chosen UV map of the donor after the other.
+
+    What follows from a cut is read from copies of the meshes that are cut: so all is known before the first write.
+    """
+
+    donor_name: str
+    settings: Settings
+    hashes: list[str]
+    """Of the receivers' meshes before any cut."""
+    searches: list[Search]
+    """Of every receiver, cut as found so far."""
+    cuts: list[list[Cut]]
+    """Of every receiver, found so far."""
+    number: int
+    """Of the UV map."""
+    maps: int
+
+    def task(self) -> "CutSearch":
+        """The part that needs no Blender: run()."""
+        return self
+
+    def run(self, progress: Progress) -> list[Cut | None]:
+        """The cut of every receiver."""
+        found = []
+        share = part_of(progress, self.number / (self.maps + 1), (self.number + 1) / (self.maps + 1))
+        for search, part in in_turn(self.searches, share, lambda item, _: f"{item.pair.name}: seams to cut along"):
+            with pairing.named(search.pair.name):
+                found.append(search.find(part))
+        return found
+
+    def then(self, found: list[Cut | None], context: bpy.types.Context) -> "CutSearch | TransferTask":
+        """What to run next, after run() returned `found`: the search along the next map, or the transfer.
+
+        Raises:
+            RefusedError: an object was removed or changed meanwhile, or the donor lacks what is asked for.
+        """
+        depsgraph = context.evaluated_depsgraph_get()
+        donor = pairing.donor_again(self.donor_name)
+        receivers = [
+            pairing.again(search.pair.name, depsgraph, content_hash)
+            for search, content_hash in zip(self.searches, self.hashes, strict=True)
+        ]
+        cuts = [made if cut is None else [*made, cut] for made, cut in zip(self.cuts, found, strict=True)]
+        number = self.number + 1
+        with bridge.trial(receivers):
+            for obj, made in zip(receivers, cuts, strict=True):
+                for cut in made:
+                    cut.apply(obj)
+            grafts = _read(donor, receivers, context, self.settings)
+            if number == self.maps:
+                return TransferTask(donor.name, grafts, cuts, self.hashes, number / (number + 1))
+            return replace(self, searches=_searches(grafts, number), cuts=cuts, number=number)
+
+
+def prepare(
+    donor: Any, receivers: list[Any], context: bpy.types.Context, settings: Settings
+) -> "TransferTask | CutSearch":
+    """Read everything a transfer needs, or what finding the cuts before it needs; changes nothing.
 
     Raises:
         RefusedError: the donor lacks what is asked for, or a receiver's match is missing or no longer fits.
@@ -130,18 +189,27 @@ def prepare(donor: Any, receivers: list[Any], context: bpy.types.Context, settin
     if not settings.what:
         raise RefusedError("Nothing to transfer; choose what the receivers are to get")
     cuts: list[list[Cut]] = [[] for _ in receivers]
-    if not (settings.cut_seams and "UV" in settings.what):
-        grafts = _read(donor, receivers, context, settings)
-        return TransferTask(donor.name, grafts, cuts, [graft.pair.arrays.content_hash for graft in grafts])
-    for obj in receivers:
-        bridge.refuse_unwritable(obj)
-    depsgraph = context.evaluated_depsgraph_get()
-    hashes = [bridge.read_receiver(obj, depsgraph).content_hash for obj in receivers]
-    # Found on copies of the meshes, which are read when cut: so all is known before the first write.
-    with bridge.trial(receivers):
-        cuts = _cut(donor, receivers, context, settings)
-        grafts = _read(donor, receivers, context, settings)
-    return TransferTask(donor.name, grafts, cuts, hashes)
+    cuts_first = settings.cut_seams and "UV" in settings.what
+    if cuts_first:
+        for obj in receivers:
+            bridge.refuse_unwritable(obj)
+    grafts = _read(donor, receivers, context, settings)
+    hashes = [graft.pair.arrays.content_hash for graft in grafts]
+    if not cuts_first:
+        return TransferTask(donor.name, grafts, cuts, hashes)
+    for graft in grafts:
+        cutting.refuse(graft.pair)
+    maps = len(_uv_maps(grafts[0]).seam_maps())
+    return CutSearch(donor.name, settings, hashes, _searches(grafts, 0), cuts, 0, maps)
+
+
+def _searches(grafts: list[Graft], number: int) -> list[Search]:
+    """For the cuts of every receiver along the seams of one chosen UV map."""
+    return [Search.of(graft.pair, _uv_maps(graft).seam_maps()[number]) for graft in grafts]
+
+
+def _uv_maps(graft: Graft) -> UVMaps:
+    return next(kind for kind in graft.kinds if isinstance(kind, UVMaps))
 
 
 def _read(donor: Any, receivers: list[Any], context: bpy.types.Context, settings: Settings) -> list[Graft]:
@@ -151,7 +219,7 @@ def _read(donor: Any, receivers: list[Any], context: bpy.types.Context, settings
     grafts = []
     for pair in pairing.make(donor, receivers, context, settings.min_confidence):
         mesh = pair.receiver.data
-        names = Names((layer.name for layer in (*mesh.uv_layers, *mesh.attributes)), settings.overwrite)
+        names = Names({layer.name for layer in mesh.uv_layers} | bridge.attribute_names(mesh), settings.overwrite)
         kinds = []
         for kind in chosen:
             key = kind, pair.donor.is_own
@@ -160,26 +228,6 @@ def _read(donor: Any, receivers: list[Any], context: bpy.types.Context, settings
             kinds.append(kind(pair, gifts[key], settings, names))
         grafts.append(Graft(pair, kinds))
     return grafts
-
-
-def _cut(donor: Any, receivers: list[Any], context: bpy.types.Context, settings: Settings) -> list[list[Cut]]:
-    """Cut every receiver along the seams of one chosen UV map after the other; returns what was done to each."""
-    cuts: list[list[Cut]] = [[] for _ in receivers]
-    number, maps = 0, 1
-    while number < maps:
-        found = []
-        for graft in _read(donor, receivers, context, settings):
-            cutting.refuse(graft.pair)
-            seams = next(kind for kind in graft.kinds if isinstance(kind, UVMaps)).seam_maps()
-            maps = len(seams)
-            with pairing.named(graft.pair.name):
-                found.append(cutting.find(graft.pair, seams[number]))
-        for obj, made, cut in zip(receivers, cuts, found, strict=True):
-            if cut is not None:
-                cut.apply(obj)
-                made.append(cut)
-        number += 1
-    return cuts
 
 
 def _cut_messages(receiver: str, donor: str, cuts: list[Cut]) -> Messages:

@@ -115,10 +115,12 @@ class Job:
         """What the work returned, after the run has ended.
 
         Raises:
-            ReceiverError: the input was refused; isograft.Cancelled: cancel() was called.
+            ReceiverError: the input was refused; isograft.Cancelled: cancel() was called, be it after the end.
         """
         if self._error is not None:
             raise self._error
+        if self._cancelled.is_set():
+            raise isograft.Cancelled("cancelled by the caller")
         if self._results is None:
             raise RuntimeError("the job has not run to its end")
         return self._results

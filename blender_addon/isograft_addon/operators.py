@@ -76,7 +76,11 @@ class _Modal(_DonorToReceivers):
         """In the calling thread."""
         try:
             plan = self._plan(context)
-            return self.tell(plan.write(Job(plan.task()).run()))
+            results = Job(plan.task()).run()
+            while (following := _following(plan, results, context)) is not None:
+                plan = following
+                results = Job(plan.task()).run()
+            return self.tell(plan.write(results))
         except isograft.Cancelled:
             return self._cancelled()
         except _REFUSALS as error:
@@ -87,11 +91,9 @@ class _Modal(_DonorToReceivers):
         if bpy.app.background:
             return self.execute(context)
         try:
-            self._running = self._plan(context)
+            self._begin(self._plan(context))
         except _REFUSALS as error:
             return self.fail(error)
-        self._job = Job(self._running.task())
-        self._job.start()
         self._timer = context.window_manager.event_timer_add(TICK, window=context.window)
         context.window_manager.modal_handler_add(self)
         self._show(context)
@@ -108,19 +110,38 @@ class _Modal(_DonorToReceivers):
         if self._job.is_running():
             self._show(context)
             return {"RUNNING_MODAL"}
-        self._end(context)
+        return self._after_run(context)
+
+    def _after_run(self, context: bpy.types.Context) -> set[str]:
+        """Run what follows, or write and end."""
+        goes_on = False
         try:
-            return self.tell(self._running.write(self._job.result()))
+            results = self._job.result()
+            following = _following(self._running, results, context)
+            if following is None:
+                return self.tell(self._running.write(results))
+            self._begin(following)
+            goes_on = True
+            return {"RUNNING_MODAL"}
         except isograft.Cancelled:
             return self._cancelled()
         except _REFUSALS as error:
             return self.fail(error)
+        finally:
+            if not goes_on:
+                self._end(context)
 
     def cancel(self, context: bpy.types.Context) -> None:
         """Blender ends the operator: another file is loaded, or the window closes."""
         self._job.cancel()
         self._job.join()
         self._end(context)
+
+    def _begin(self, plan: Any) -> None:
+        """Run a plan's task in the worker."""
+        self._running = plan
+        self._job = Job(plan.task())
+        self._job.start()
 
     def _cancelled(self) -> set[str]:
         self.report({"WARNING"}, f"{self.verb} cancelled, nothing was changed")
@@ -135,6 +156,11 @@ class _Modal(_DonorToReceivers):
         context.window_manager.event_timer_remove(self._timer)
         if context.workspace:
             context.workspace.status_text_set(None)
+
+
+def _following(plan: Any, results: list[Any], context: bpy.types.Context) -> Any:
+    """The plan to run next, of one that has to look at Blender between two runs; None if `results` can be written."""
+    return plan.then(results, context) if isinstance(plan, grafting.CutSearch) else None
 
 
 class OBJECT_OT_isograft_match(_Modal, bpy.types.Operator):

@@ -110,12 +110,33 @@ def unchanged(pair: Pair, depsgraph: Any, content_hash: str | None = None) -> An
     Raises:
         RefusedError: it is gone, or its mesh is another.
     """
-    obj = bpy.data.objects.get(pair.name)
+    return again(pair.name, depsgraph, content_hash or pair.arrays.content_hash)
+
+
+def again(name: str, depsgraph: Any, content_hash: str) -> Any:
+    """A receiver found again by name, with the mesh that has this hash.
+
+    Raises:
+        RefusedError: it is gone, or its mesh is another.
+    """
+    obj = bpy.data.objects.get(name)
     if obj is None or obj.type != "MESH":
-        raise RefusedError(f"{pair.name} was removed or renamed meanwhile; nothing was written")
-    if bridge.read_receiver(obj, depsgraph).content_hash != (content_hash or pair.arrays.content_hash):
-        raise RefusedError(f"{pair.name} was edited meanwhile; nothing was written")
+        raise RefusedError(f"{name} was removed or renamed meanwhile; nothing was written")
+    if bridge.read_receiver(obj, depsgraph).content_hash != content_hash:
+        raise RefusedError(f"{name} was edited meanwhile; nothing was written")
     return obj
+
+
+def donor_again(name: str) -> Any:
+    """The donor found again by name.
+
+    Raises:
+        RefusedError: it is gone.
+    """
+    donor = bpy.data.objects.get(name)
+    if donor is None:
+        raise RefusedError(f"{name} was removed or renamed meanwhile; nothing was written")
+    return donor
 
 
 @contextmanager

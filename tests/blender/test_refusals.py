@@ -237,7 +237,9 @@ def test_the_job_tells_its_progress_from_the_first_check_on(pair: Pair) -> None:
 
     with pytest.raises(isograft.Cancelled):
         task.run(stop_at_the_match)
-    assert told[0] == ("surface", 0.0)
+    # It is asked for now and then, so the first answer may come when some of the first check is done.
+    assert told[0][0] == "surface"
+    assert told[0][1] < 0.05
     assert told[-1][0].startswith("Scan: ")
     assert [fraction for _, fraction in told] == sorted(fraction for _, fraction in told)
 

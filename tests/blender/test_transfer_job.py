@@ -8,7 +8,7 @@ import isograft
 import numpy as np
 import pytest
 from conftest import add_on
-from scenes import MatchedPair, add_color, select, snapshot, values
+from scenes import MatchedPair, add_color, add_uv, select, snapshot, uvs, values
 
 
 def task_of(matched: MatchedPair, **settings: Any) -> Any:
@@ -17,12 +17,17 @@ def task_of(matched: MatchedPair, **settings: Any) -> Any:
     return grafting.prepare(matched.donor, [matched.receiver], bpy.context, grafting.Settings(**chosen))
 
 
-def in_a_worker(task: Any) -> list[Any]:
-    job = add_on("job").Job(task.task())
-    job.start()
-    job.join(60)
-    assert not job.is_running()
-    return job.result()
+def in_a_worker(task: Any) -> tuple[Any, list[Any]]:
+    """The task that writes, and what it found; what cuts first has several runs."""
+    while True:
+        job = add_on("job").Job(task.task())
+        job.start()
+        job.join(60)
+        assert not job.is_running()
+        following = add_on("operators")._following(task, job.result(), bpy.context)
+        if following is None:
+            return task, job.result()
+        task = following
 
 
 @pytest.mark.parametrize("cut_seams", [False, True])
@@ -32,7 +37,8 @@ def test_a_worker_gives_what_the_operator_gives(matched: MatchedPair, cut_seams:
     content = matched.receiver["isograft"].to_dict()
     task = task_of(matched, cut_seams=cut_seams)
     assert snapshot(matched.receiver) == before  # read, and nothing changed
-    found = in_a_worker(task)
+    assert isinstance(task, add_on("grafting").CutSearch) == cut_seams
+    task, found = in_a_worker(task)
     assert snapshot(matched.receiver) == before  # computed, and nothing changed
     messages = task.write(found)
     assert any(level == "INFO" and "received" in text for level, text in messages)
@@ -67,6 +73,47 @@ def test_its_progress_rises_over_kinds_and_layers_and_names_them(matched: Matche
     assert {doing for doing, _ in told} == {"Scan: UV maps", "Scan: colour attributes"}
 
 
+def test_the_search_for_cuts_is_part_of_the_job_with_its_own_share_of_the_progress(matched: MatchedPair) -> None:
+    turned = 0.5 * uvs(matched.donor, "Atlas")[:, ::-1]
+    add_uv(matched.donor, "Second", turned)
+    select(matched.donor, matched.receiver)
+    told: list[tuple[str, float]] = []
+
+    def note(doing: str, fraction: float) -> bool:
+        told.append((doing, fraction))
+        return True
+
+    task, runs = task_of(matched, cut_seams=True), 1
+    while (following := add_on("operators")._following(task, task.run(note), bpy.context)) is not None:
+        task, runs = following, runs + 1
+    assert runs == 3  # two maps, then the transfer
+    fractions = [fraction for _, fraction in told]
+    assert fractions == sorted(fractions)
+    searching = [fraction for doing, fraction in told if doing == "Scan: seams to cut along"]
+    assert 0.3 < max(searching) <= 2 / 3 <= min(f for doing, f in told if doing == "Scan: UV maps")
+    assert fractions[-1] > 0.8
+
+
+def test_what_was_edited_between_two_searches_is_refused(matched: MatchedPair) -> None:
+    task = task_of(matched, cut_seams=True)
+    found = task.run(lambda *_: True)
+    matched.receiver.data.vertices[3].co.x += 0.25
+    matched.receiver.data.update()
+    bpy.context.view_layer.update()
+    before = snapshot(matched.receiver)
+    with pytest.raises(add_on("bridge").RefusedError, match="Scan was edited meanwhile; nothing was written"):
+        task.then(found, bpy.context)
+    assert snapshot(matched.receiver) == before
+
+
+def test_esc_after_the_end_and_before_the_writing_counts(matched: MatchedPair) -> None:
+    job = add_on("job").Job(task_of(matched).task())
+    job.run()
+    job.cancel()
+    with pytest.raises(isograft.Cancelled):
+        job.result()
+
+
 @pytest.mark.parametrize("calls", [1, 2, 5])
 def test_it_can_be_cancelled_at_any_call_and_changes_nothing(matched: MatchedPair, calls: int) -> None:
     before = snapshot(matched.receiver)
@@ -84,8 +131,7 @@ def test_it_can_be_cancelled_at_any_call_and_changes_nothing(matched: MatchedPai
 
 
 def test_what_was_edited_or_removed_while_it_ran_is_refused_and_nothing_written(matched: MatchedPair) -> None:
-    task = task_of(matched)
-    found = in_a_worker(task)
+    task, found = in_a_worker(task_of(matched))
     matched.receiver.data.vertices[3].co.x += 0.25
     matched.receiver.data.update()
     bpy.context.view_layer.update()
