@@ -7,6 +7,7 @@ Both are a bent ring in tessellations of their own, so that the map between them
 from __future__ import annotations
 
 import argparse
+import contextlib
 import os
 import resource
 import time
@@ -14,10 +15,29 @@ from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any
 
+import isograft
 import numpy as np
 from isograft import transfer
 
-COLUMNS = ("kind", "vertices", "wall s", "CPU s")
+from benchmarks import transfer_quality
+
+COLUMNS = ("kind", "vertices", "wall s", "CPU s", "longest silence s")
+SLOW = 0.1
+"""Seconds; what takes less is not stopped half way."""
+
+
+class Watch:
+    """The progress of one call: how long it was silent, and from when on the answer is to stop."""
+
+    def __init__(self, stop_after: float = np.inf) -> None:
+        self.silence = 0.0
+        self._last = time.perf_counter()
+        self.stop_at = self._last + stop_after
+
+    def __call__(self, stage: str, fraction: float) -> bool:
+        now = time.perf_counter()
+        self.silence, self._last = max(self.silence, now - self._last), now
+        return now < self.stop_at
 
 
 class Ring:
@@ -60,8 +80,8 @@ def place(around: np.ndarray, along: np.ndarray) -> np.ndarray:
     return np.stack([out * np.cos(circle), out * np.sin(circle), radius * np.sin(tube)], axis=1)
 
 
-def kinds(vertices: int, size: int, threads: int) -> dict[str, Callable[[], Any]]:
-    """Every kind of transfer between two rings of so many vertices."""
+def kinds(vertices: int, size: int, threads: int) -> dict[str, Callable[[Watch], Any]]:
+    """Every kind of transfer between two rings of so many vertices; each is called with its progress."""
     donor, receiver = Ring(vertices, 0.5), Ring(vertices, 0.35)
     found = donor.at(receiver.around + 0.003, receiver.along + 0.002)
     partial = SimpleNamespace(**vars(found))
@@ -87,47 +107,77 @@ def kinds(vertices: int, size: int, threads: int) -> dict[str, Callable[[], Any]
         transfer.Channel(image, kind="normal"),
     ]
 
-    def bake(correspondence: Any, fill: bool) -> Any:
-        uv = receiver.uv
+    def bake(correspondence: Any, fill: bool, watch: Watch) -> Any:
         return transfer.bake(
-            correspondence, *meshes[:2], uv, *meshes[2:], donor.uv, channels, size, fill=fill, threads=threads
-        )
+            correspondence, *meshes[:2], receiver.uv, *meshes[2:], donor.uv, channels, size,
+            fill=fill, threads=threads, progress=watch,
+        )  # fmt: skip
 
+    def along(move: Callable[..., Any], *values: Any) -> Callable[[Watch], Any]:
+        return lambda watch: move(found, *meshes, *values, threads=threads, progress=watch)
+
+    edge_values = marks[np.arange(len(edges["own"])) % len(marks)].astype(float)
+    edges_known = known[edges["own"]].all(axis=1)
     return {
-        "UV map": lambda: transfer.transfer_corner_uv(found, *meshes, donor.uv, threads=threads),
-        "colours of corners": lambda: transfer.transfer_corner(found, *meshes, donor.uv, threads=threads),
-        "40 vertex groups": lambda: transfer.transfer_weights(found, donor.faces, weights),
-        "10 shape keys": lambda: transfer.transfer_shape_keys(found, *meshes, keys, threads=threads),
-        "custom normals": lambda: transfer.transfer_normals(found, *meshes, normals, threads=threads),
-        "values of faces": lambda: transfer.transfer_face(found, *meshes, np.arange(triangles), threads=threads),
-        "values of edges": lambda: transfer.transfer_edge(
-            found, *meshes[:2], edges["own"], *meshes[2:], edges["other"], marks, threads=threads
+        "UV map": along(transfer.transfer_corner_uv, donor.uv),
+        "colours of corners": along(transfer.transfer_corner, donor.uv),
+        "40 vertex groups": lambda _: transfer.transfer_weights(found, donor.faces, weights),
+        "10 shape keys": along(transfer.transfer_shape_keys, keys),
+        "custom normals": along(transfer.transfer_normals, normals),
+        "values of faces": along(transfer.transfer_face, np.arange(triangles)),
+        "values of edges": lambda watch: transfer.transfer_edge(
+            found, *meshes[:2], edges["own"], *meshes[2:], edges["other"], marks, threads=threads, progress=watch
         ),
-        "cut along seams": lambda: transfer.cut_along_seams(found, *meshes, donor.uv, threads=threads),
-        "inverse map": lambda: transfer.invert(found, *meshes, threads=threads),
-        f"bake, 3 channels of {size} x {size}": lambda: bake(found, False),
-        "bake, filled": lambda: bake(partial, True),
-        "fill colours": lambda: transfer.fill_point(*meshes[:2], np.nan_to_num(colors), known),
-        "wrap": lambda: transfer.wrap(partial, *meshes, threads=threads),
+        "cut along seams": along(transfer.cut_along_seams, donor.uv),
+        "inverse map": along(transfer.invert),
+        f"bake, 3 channels of {size} x {size}": lambda watch: bake(found, False, watch),
+        "bake, filled": lambda watch: bake(partial, True, watch),
+        "fill colours": lambda watch: transfer.fill_point(
+            *meshes[:2], np.nan_to_num(colors), known, progress=watch
+        ),
+        "fill edges": lambda watch: transfer.fill_edge(
+            receiver.vertices, edges["own"], edge_values, edges_known, progress=watch
+        ),
+        "wrap": lambda watch: transfer.wrap(partial, *meshes, threads=threads, progress=watch),
     }  # fmt: skip
+
+
+def seconds_to_stop(run: Callable[[Watch], Any], wall: float) -> float:
+    """From the wish to stop, half way through, to the return."""
+    watch = Watch(0.5 * wall)
+    with contextlib.suppress(isograft.Cancelled):
+        run(watch)
+    return max(0.0, time.perf_counter() - watch.stop_at)
 
 
 def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="scripts/transfer_benchmark", description=__doc__)
-    parser.add_argument("--vertices", metavar="A,B", default="50000,100000", help="(default: 50000,100000)")
+    parser.add_argument("--vertices", metavar="A,B", default="100000", help="(default: 100000)")
     parser.add_argument("--size", type=int, default=4096, help="of the images baked (default: 4096)")
     parser.add_argument("--threads", type=int, default=os.cpu_count() or 1, help="(default: all cores)")
     parser.add_argument("--only", metavar="WORD", default="", help="kinds whose name has this in it")
+    parser.add_argument("--quality", action="store_true", help="instead: how well it arrives, on ../shared/data")
+    parser.add_argument("--cancel", action="store_true", help="run each again and stop it half way")
     given = parser.parse_args(arguments)
-    print("| " + " | ".join(COLUMNS) + " |\n|" + " --- |" * len(COLUMNS), flush=True)
+    if given.quality:
+        return transfer_quality.main()
+    columns = (*COLUMNS, "stopped after s") if given.cancel else COLUMNS
+    print("| " + " | ".join(columns) + " |\n|" + " --- |" * len(columns), flush=True)
     for vertices in (int(text) for text in given.vertices.split(",")):
+        total = np.zeros(2)
         for name, run in kinds(vertices, given.size, given.threads).items():
             if given.only not in name:
                 continue
-            wall, spent = time.perf_counter(), time.process_time()
-            run()
-            wall, spent = time.perf_counter() - wall, time.process_time() - spent
-            print(f"| {name} | {vertices:,} | {wall:.2f} | {spent:.2f} |", flush=True)
+            watch, before = Watch(), np.array([time.perf_counter(), time.process_time()])
+            run(watch)
+            watch("", 1.0)
+            wall, spent = np.array([time.perf_counter(), time.process_time()]) - before
+            total += wall, spent
+            row = f"| {name} | {vertices:,} | {wall:.2f} | {spent:.2f} | {watch.silence:.2f} |"
+            if given.cancel:
+                row += f" {seconds_to_stop(run, wall):.2f} |" if wall > SLOW else " |"
+            print(row, flush=True)
+        print(f"| all of these | {vertices:,} | {total[0]:.2f} | {total[1]:.2f} | |" + " |" * given.cancel, flush=True)
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     print(f"\n{given.threads} threads, peak memory {peak:,.0f} MB")
     return 0
