@@ -143,7 +143,7 @@ _KIND_SETTINGS = (
         "Vertex Groups",
         ("group_names", "mix_mode", "mix_factor", "normalise", "limit_total", "hook_armature"),
     ),
-    ("KEYS", "Shape Keys", ("key_names", "key_scale", "copy_drivers")),
+    ("KEYS", "Shape Keys", ("key_names", "key_scale", "key_smoothing", "copy_drivers")),
     ("ATTRIBUTES", "Attributes", ("attribute_names",)),
 )
 """Settings shown while a kind is chosen."""

@@ -42,6 +42,7 @@ class Settings(OfProperties):
     hook_armature: bool = False
     key_names: str = ""
     key_scale: str = "GLOBAL"
+    key_smoothing: int = 2
     copy_drivers: bool = True
 
 

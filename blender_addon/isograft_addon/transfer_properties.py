@@ -187,6 +187,17 @@ def _key_settings(default: Settings) -> dict[str, Any]:
             items=KEY_SCALES,
             default=default.key_scale,
         ),
+        "key_smoothing": bpy.props.IntProperty(
+            name="Key Smoothing",
+            description=(
+                "Edges around a vertex over which the turning of its displacements is measured; more for two different "
+                "characters, few for two poses of one"
+            ),
+            default=default.key_smoothing,
+            min=0,
+            max=100,
+            soft_max=32,
+        ),
         "copy_drivers": _switch("Copy Drivers", "Copy the drivers of shape keys", default.copy_drivers),
     }
 

@@ -97,6 +97,7 @@ class Keys(Kind):
             pair.given.triangles,
             displacements,
             scale=settings.key_scale.lower(),
+            smoothing=settings.key_smoothing,
             progress=self.step(),
         )
         values, rows = np.asarray(moved.values), np.asarray(moved.mask)
