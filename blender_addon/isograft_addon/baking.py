@@ -18,6 +18,9 @@ from .matching import Messages
 from .pairing import Pair
 from .settings import Names, OfProperties
 
+_EDGE = 1e-4
+"""UVs this far out of the unit square lie on its edge."""
+
 
 @dataclass(frozen=True)
 class BakeSettings(OfProperties):
@@ -68,6 +71,7 @@ class Bake:
             if self.settings.fill:
                 uv, mask, _ = fill_corners(pair, uv, mask)
             self.uv = pair.to_loops(uv, mask)
+        self._warn_of_outside(self.uv, whole)
         self.polygons = whole
         own, triangles, given, donor_triangles = pair.geometry()
         baked = transfer.bake(
@@ -93,6 +97,18 @@ class Bake:
         if not np.any(np.asarray(baked.mask) == 1):
             raise RefusedError(
                 f"{pair.name}: no texel of its UV map lies on a matched face; choose another UV map, or a new unwrap"
+            )
+
+    def _warn_of_outside(self, uv: Array, whole: Array) -> None:
+        """An image has the unit square only."""
+        beyond = ((uv < -_EDGE) | (uv > 1.0 + _EDGE)).any(axis=1)
+        outside = np.zeros_like(whole)
+        outside[self.pair.arrays.loop_polygons[beyond]] = True
+        count = int(np.count_nonzero(outside & whole))
+        if count:
+            self.warnings.append(
+                f"{self.pair.name}: {count:,} faces reach out of the unit square of {self.uv_name}, where nothing is "
+                "baked; bake into a new unwrap to have all of them"
             )
 
     def write(self) -> Messages:

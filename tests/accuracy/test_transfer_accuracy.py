@@ -68,6 +68,9 @@ def test_an_expression_arrives_on_another_expression_of_the_face(name):
 def test_a_pose_of_another_tessellation_looks_like_the_donor(donor_name, pose_name):
     measures = measure_pose(donor_name, pose_name)
     print(pose_name, measures)
+    # Along the true map only the half faces beside seams may differ: 0 to 1.4 % of the picture, and 0.2 to 0.7 % of the
+    # triangles are outliers; a bound of 3 % is twice the most. A bake knows no such halves, but its texels, about ten
+    # across a triangle, read the pattern straight between each other: 0.2 to 1.2 % differ.
     assert measures["with UVs"] > 0.97
     assert measures["without outliers"] > 0.97
     assert measures["same picture"] > 0.97

@@ -7,6 +7,7 @@ from typing import Any
 import bpy
 import numpy as np
 import pytest
+from conftest import add_on
 from scenes import MatchedPair, select, uvs
 from test_bake import SIZE, bake, inside, textured
 from test_refusals import refused
@@ -77,6 +78,17 @@ def test_tiles_and_single_images_and_constants_stand_side_by_side(tiled: Matched
     truth = np.where(upper[..., None], negative(SIZE), atlas(SIZE))
     assert np.median(np.abs(color - truth)[clear][:, :3]) < 0.02
     assert np.mean(np.isclose(rough[clear][:, 0], 0.25, atol=0.01)) > 0.95
+
+
+def test_faces_out_of_the_unit_square_are_counted(tiled: MatchedPair, tmp_path: Path) -> None:
+    """The donor's own UV map on the receiver has its tiles, and the receiver's image has one square."""
+    show(tiled, tiled_image(tmp_path, {1001: atlas(16), 1012: atlas(16)}, True))
+    baking = add_on("baking")
+    for source, expected in (("TRANSFERRED", True), ("EXISTING", False)):
+        settings = baking.BakeSettings(size=64, uv_source=source)
+        task = baking.prepare(tiled.donor, [tiled.receiver], bpy.context, settings)
+        (found,) = task.run(lambda *_: True)
+        assert any("reach out of the unit square of Atlas" in text for text in found.warnings) == expected
 
 
 def test_tiles_that_are_missing_or_not_saved_are_refused(tiled: MatchedPair, tmp_path: Path) -> None:
