@@ -29,7 +29,11 @@ def parse(arguments: list[str]) -> argparse.Namespace:
     parser.add_argument("--data", type=Path, default=Path(os.environ.get("ISOGRAFT_DATA", ROOT.parent / "shared/data")))
     parser.add_argument("--out", type=Path, default=ROOT / "build/experiments")
     parser.add_argument("--threads", type=int, default=2)
-    parser.add_argument("--vertices", type=int, default=10000, help="largest mesh of preset paper (default: 10000)")
+    parser.add_argument(
+        "--vertices",
+        type=int,
+        help="largest mesh of preset paper (default: that of the experiment, as the page has it)",
+    )
     parser.add_argument(
         "--matches", type=int, default=200, help="oriented matches it tries (default: 200, the paper's)"
     )

@@ -39,9 +39,17 @@ class Experiment:
     options: dict[str, Any]
     #: Methods beside `paper` and `default`.
     peers: list[str] = field(default_factory=list)
+    #: Largest mesh that preset paper works on; nu and w_C are tied to its edges. See the page.
+    vertices: int = 4000
+    #: Pairs that have another limit.
+    other_vertices: dict[str, int] = field(default_factory=dict)
     #: Which direction is up in the pictures, and the turn about it in degrees.
     up: str = "y"
     turn: float = 0.0
+
+    def limit(self, pair: str) -> int:
+        """Vertices of the largest mesh that preset paper works on."""
+        return self.other_vertices.get(pair, self.vertices)
 
 
 def _planes(_data: Path) -> list[Pair]:
@@ -119,6 +127,7 @@ EXPERIMENTS = [
         _of_data("anim_samba_mesh_0000__mesh_0080"),
         {**CLEAN, "paper_threshold": 0.0},
         ["hkm", "nearest", "pyfm-zoomout"],
+        vertices=2500,
     ),
     Experiment(
         "scape",
@@ -176,6 +185,7 @@ EXPERIMENTS = [
         ],
         _of_data("pc_faust_020_025", "pc_cat0_cat5", "pc_faust_033_037"),
         {**NOISY, "paper_threshold": 1.0},
+        other_vertices={"pc_faust_020_025": 10000},
     ),
     Experiment(
         "symmetric",

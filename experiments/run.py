@@ -28,19 +28,21 @@ class Settings:
     data: Path
     out: Path
     threads: int
-    vertices: int
+    #: Largest mesh of preset paper; None: that of the experiment.
+    vertices: int | None
     matches: int
 
-    def kept(self) -> dict[str, Any]:
-        """What a kept result has to be of."""
-        return {"vertices": self.vertices, "matches": self.matches, "version": isograft.__version__}
+    def kept(self, experiment: Experiment, pair: str) -> dict[str, Any]:
+        """What a kept result of preset paper has to be of."""
+        vertices = self.vertices or experiment.limit(pair)
+        return {"vertices": vertices, "matches": self.matches, "version": isograft.__version__}
 
 
 def run_pair(experiment: Experiment, pair: Pair, method: str, settings: Settings) -> dict[str, Any]:
     """The figures of one pair and method, from the kept file if it is of the same settings."""
     folder = settings.out / experiment.name
     path = folder / f"{pair.name}.{method}.json"
-    wanted = settings.kept() if method == "paper" else {"version": isograft.__version__}
+    wanted = settings.kept(experiment, pair.name) if method == "paper" else {"version": isograft.__version__}
     if path.exists():
         kept: dict[str, Any] = json.loads(path.read_text())
         if kept["settings"] == wanted and "failed" not in kept:
@@ -78,7 +80,10 @@ def _find(experiment: Experiment, pair: Pair, method: str, settings: Settings) -
         options["seed_landmarks_only"] = True
     if method == "paper":
         options |= experiment.options
-        options |= {"paper_vertices": settings.vertices, "paper_matches": settings.matches}
+        options |= {
+            "paper_vertices": settings.vertices or experiment.limit(pair.name),
+            "paper_matches": settings.matches,
+        }
     result = isograft.match(
         case.source, case.target, preset=method, landmarks=pair.landmarks, threads=settings.threads, **options
     )
