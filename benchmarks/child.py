@@ -17,13 +17,15 @@ from isograft.evaluation import evaluate
 
 from benchmarks.cases import read_case
 from benchmarks.methods import cost_unit, find, on_mesh
-from benchmarks.sampling import with_points
+from benchmarks.sampling import with_noise, with_points
 
 
 def run_request(request: dict[str, Any]) -> dict[str, Any]:
     case = read_case(Path(request["data"]), request["pair"], reverse=request["reverse"], rotation=request["rotation"])
     if request.get("as_points"):
         case = with_points(case, request["as_points"], request["points"])
+    if request.get("noise"):
+        case = with_noise(case, request["noise"])
     row: dict[str, Any] = {"source_vertices": len(case.source[0]), "target_vertices": len(case.target[0])}
     if request["method"] != "isograft" and case.size > request["peer_limit"]:
         return {**row, "status": "skipped"}

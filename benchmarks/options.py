@@ -39,6 +39,7 @@ class Options:
     overrides: dict[str, Any]
     as_points: str | None
     points: int
+    noise: float
     fresh: bool
     #: Names of all pairs, in the order in which they are to be told.
     order: list[str]
@@ -48,7 +49,8 @@ class Options:
         """What a result depends on beside the build; rows with others cannot stand in one table."""
         settings = {"preset": self.preset, "overrides": self.overrides, "samples": self.samples}
         # Only where it is asked for: results kept from before stay comparable.
-        return settings | ({"as_points": self.as_points, "points": self.points} if self.as_points else {})
+        settings |= {"as_points": self.as_points, "points": self.points} if self.as_points else {}
+        return settings | ({"noise": self.noise} if self.noise else {})
 
     @property
     def methods(self) -> list[str]:
@@ -73,6 +75,7 @@ class Options:
             "overrides",
             "as_points",
             "points",
+            "noise",
         )
         return {"pairs": len(self.pairs), **{name: getattr(self, name) for name in names}}
 
@@ -107,6 +110,8 @@ def parse_options(arguments: list[str], root: Path) -> Options:
     parser.add_argument("--as-points", choices=("source", "target", "both"),
                         help="sample this side of a pair of meshes to points")  # fmt: skip
     parser.add_argument("--points", metavar="N", type=_count(50), default=8000, help="of --as-points (default: 8000)")
+    parser.add_argument("--noise", metavar="SHARE", type=float, default=0.0,
+                        help="move vertices of both meshes at random: sigma an axis in mean edges")  # fmt: skip
     parser.add_argument("--fresh", action="store_true",
                         help="forget what DIR holds; else what this build measured is not run again")  # fmt: skip
     given = parser.parse_args(arguments)
@@ -137,6 +142,7 @@ def parse_options(arguments: list[str], root: Path) -> Options:
         overrides=_overrides(given.overrides, parser),
         as_points=given.as_points,
         points=given.points,
+        noise=given.noise,
         fresh=given.fresh,
         order=[pair["id"] for pair in listed],
     )
@@ -156,6 +162,7 @@ def requests_of(options: Options) -> list[dict[str, Any]]:
         "settings": options.settings,
         "as_points": options.as_points,
         "points": options.points,
+        "noise": options.noise,
         "peer_limit": PEER_LIMIT,
     }
     requests = []

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mixed pairs: one side of a pair of meshes, or both, sampled to points."""
+"""Pairs of meshes made harder: a side, or both, sampled to points; noise on the vertices."""
 
 from __future__ import annotations
 
@@ -36,6 +36,27 @@ def with_points(case: Case, side: str, count: int, seed: int = 0) -> Case:
         points, _, _ = _sampled(case.target, count, random)
         result = replace(result, target=(points, None), measured_on=case.target)
     return result
+
+
+def with_noise(case: Case, share: float, seed: int = 0) -> Case:
+    """The pair of meshes with every vertex moved by Gaussian noise, of `share` of its mesh's mean edge an axis.
+
+    Images are measured on the target as it was, at its nearest points.
+    """
+    if not 0.0 < share <= 2.0:
+        raise InvalidInput(f"--noise must be in (0, 2], not {share}")
+    if case.source[1] is None or case.target[1] is None:
+        raise InvalidInput("--noise needs two meshes: this pair has a point cloud")
+    random = np.random.default_rng(seed)
+    source, target = (_moved(shape, share, random) for shape in (case.source, case.target))
+    return replace(case, source=source, target=target, measured_on=case.target)
+
+
+def _moved(shape: Shape, share: float, random: np.random.Generator) -> Shape:
+    vertices, faces = shape
+    assert faces is not None
+    edge = float(np.linalg.norm(vertices[faces] - vertices[np.roll(faces, 1, axis=1)], axis=2).mean())
+    return vertices + random.normal(size=vertices.shape) * share * edge, faces
 
 
 def _sampled(shape: Shape, count: int, random: np.random.Generator) -> tuple[Floats, Ints, Floats]:

@@ -12,6 +12,7 @@ import sys
 import time
 from pathlib import Path
 
+import isograft
 import numpy as np
 import pytest
 import surfaces
@@ -26,6 +27,7 @@ from benchmarks.cases import Case, read_case, reversed_case  # noqa: E402
 from benchmarks.closest_point import closest_points  # noqa: E402
 from benchmarks.methods import find  # noqa: E402
 from benchmarks.results import Results, read_results  # noqa: E402
+from benchmarks.sampling import with_noise  # noqa: E402
 from benchmarks.summary import summarise  # noqa: E402
 
 COLUMNS = ["id", "collection", "source", "target", "gt_kind", "gt_file", "gt_bary", "gt_minus1", "category", "core"]
@@ -381,3 +383,17 @@ def test_rows_of_another_build_or_with_other_settings_are_set_aside(tmp_path):
     assert other.set_aside({"isograft": "new"}, {"preset": "fast"}) == 2
     assert not other.has(request)
     assert not Results(tmp_path, {}, order=[], fresh=True).has(request)
+
+
+def test_noise_moves_both_sides_by_a_share_of_their_edges_and_is_measured_on_the_target_as_it_was():
+    mesh = surfaces.blob(3)
+    vertices, faces = mesh
+    case = with_noise(Case(mesh, (2.0 * vertices, faces), Truth(vertex=np.arange(len(vertices))), True), 0.3)
+    edge = np.linalg.norm(vertices[faces] - vertices[np.roll(faces, 1, axis=1)], axis=2).mean()
+    for moved, still, scale in ((case.source, vertices, 1.0), (case.target, 2.0 * vertices, 2.0)):
+        assert (moved[0] - still).std() == pytest.approx(0.3 * scale * edge, rel=0.05)
+        np.testing.assert_array_equal(moved[1], faces)
+    assert case.measured_on is not None
+    np.testing.assert_array_equal(case.measured_on[0], 2.0 * vertices)
+    with pytest.raises(isograft.InvalidInput, match="two meshes"):
+        with_noise(Case((vertices, None), mesh, None, True), 0.3)
