@@ -6,6 +6,7 @@ from __future__ import annotations
 import functools
 import json
 import pickle
+import re
 from pathlib import Path
 from typing import Any
 
@@ -152,6 +153,24 @@ def test_a_cloud_is_a_surface_of_its_own_kind() -> None:
     again = pickle.loads(pickle.dumps(surface))
     np.testing.assert_array_equal(again.working_mesh[0], vertices)
     assert repr(surface) == "Surface(600 points)"
+
+
+def test_a_cloud_that_has_no_two_sides_is_told_with_the_share_that_is_doubtful() -> None:
+    # A strip with half a twist: carried around it, a side comes back as the other one.
+    random = np.random.default_rng(9)
+    around, across = random.uniform(0.0, 2.0 * np.pi, 3000), random.uniform(-0.3, 0.3, 3000)
+    radius = 1.0 + across * np.cos(around / 2.0)
+    strip = np.column_stack([radius * np.cos(around), radius * np.sin(around), across * np.sin(around / 2.0)])
+    told = [w for w in isograft.Surface(strip).warnings if "doubtful" in w]
+    assert len(told) == 1
+    found = re.search(r"the side of the normals is doubtful at (\d+) points \(([\d.]+) %\)", told[0])
+    assert found is not None, told
+    # The seam is one line across the strip.
+    assert 1 <= int(found[1]) < 150
+    assert abs(float(found[2]) - int(found[1]) / 30.0) < 0.1
+    # Where the twist is cut there are two sides, and nothing to doubt.
+    cut = strip[(around > 0.4) & (around < 5.9)]
+    assert not [w for w in isograft.Surface(cut).warnings if "doubtful" in w]
 
 
 @pytest.mark.parametrize(

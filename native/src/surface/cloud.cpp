@@ -102,7 +102,7 @@ void warn_of_sides(const Base& base, std::vector<std::string>& warnings) {
     const auto doubtful = static_cast<int>(std::count(base.sides.doubtful.begin(), base.sides.doubtful.end(), 1));
     if (doubtful > 0) {
         warnings.push_back("the side of the normals is doubtful at " + std::to_string(doubtful) + " points (" +
-                           percent(doubtful, count) + "): they contradict most of their neighbours.");
+                           percent(doubtful, count) + "): they contradict more than a third of their neighbours.");
     }
 }
 

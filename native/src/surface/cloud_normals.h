@@ -17,7 +17,8 @@ struct CloudSides {
     std::vector<int> part;
     /// Per part how closed it is about its inside: 1 for a closed surface, 0 for a flat sheet.
     std::vector<double> closedness;
-    /// Points whose side contradicts most of their neighbours or, in a closed part, the rest of the surface.
+    /// Points whose side contradicts more than a third of their neighbours or, in a closed part, the rest of the
+    /// surface.
     std::vector<char> doubtful;
     /// Given normals only: points whose given side was turned over.
     int turned = 0;
