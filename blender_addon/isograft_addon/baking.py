@@ -69,7 +69,7 @@ class Bake:
             uv, mask = moved.uv, moved.mask
             whole &= pair.whole_polygons(mask)
             if self.settings.fill:
-                uv, mask, _ = fill_corners(pair, uv, mask)
+                uv, mask, _ = fill_corners(pair, uv, mask, lambda stage, _: progress(f"{pair.name}: {stage}", 0.0))
             self.uv = pair.to_loops(uv, mask)
         self._warn_of_outside(self.uv, whole)
         self.polygons = whole

@@ -1,13 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A transfer as the job that a window runs it as: read, computed in a worker, written."""
 
+from types import SimpleNamespace
 from typing import Any
 
 import bpy
 import isograft
 import numpy as np
 import pytest
+import rigs
+import shapes
 from conftest import add_on
+from isograft import transfer
 from scenes import MatchedPair, add_color, add_uv, select, snapshot, uvs, values
 
 
@@ -127,6 +131,40 @@ def test_it_can_be_cancelled_at_any_call_and_changes_nothing(matched: MatchedPai
     with pytest.raises(isograft.Cancelled):
         task.run(stop)
     assert left[0] <= 0
+    assert snapshot(matched.receiver) == before
+
+
+@pytest.mark.parametrize("kind", ["UV", "COLOR", "GROUPS", "KEYS", "ATTRIBUTES"])
+def test_esc_is_heard_while_holes_are_filled(matched: MatchedPair, kind: str) -> None:
+    directions, _ = shapes.triangle_sphere()
+    rigs.give_weights(matched.donor, rigs.true_weights(directions))
+    rigs.add_keys(matched.donor, directions)
+    heavy = matched.donor.data.attributes.new("heavy", "FLOAT", "EDGE")
+    heavy.data.foreach_set("value", np.ones(len(matched.donor.data.edges), np.float32))
+    matched.donor.data.update()
+    face = np.where(matched.directions[:, 2] > 0.8, -1, values(matched.receiver, "isograft_face", "value"))
+    matched.receiver.data.attributes["isograft_face"].data.foreach_set("value", face.astype(np.int32))
+    select(matched.donor, matched.receiver)
+    before, filling = snapshot(matched.receiver), add_on("kinds.filling")
+    calls: list[str] = []
+
+    def recorded(name: str) -> Any:
+        real = getattr(transfer, name)
+
+        def fill(*args: Any, **kwargs: Any) -> Any:
+            calls.append(name)
+            return real(*args, **kwargs)
+
+        return fill
+
+    stub = SimpleNamespace(**{name: recorded(name) for name in ("fill_point", "fill_corner", "fill_edge")})
+    real_module, filling.transfer = filling.transfer, stub
+    try:
+        with pytest.raises(isograft.Cancelled):
+            task_of(matched, what={kind}, fill=True).run(lambda *_: not calls)
+    finally:
+        filling.transfer = real_module
+    assert len(calls) == 1
     assert snapshot(matched.receiver) == before
 
 

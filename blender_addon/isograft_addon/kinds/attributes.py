@@ -60,7 +60,7 @@ class Attributes(Kind):
         result = moved.values
         result[~moved.mask] = np.zeros((), result.dtype)
         if self.settings.fill:
-            result, filled = fill_points(self.pair, result, moved.mask)
+            result, filled = fill_points(self.pair, result, moved.mask, self.hold)
             self.filled |= filled
         return result
 
@@ -99,7 +99,7 @@ class Attributes(Kind):
         )
         result = moved.values
         if self.settings.fill:
-            result, filled = fill_edges(pair, result)
+            result, filled = fill_edges(pair, result, self.hold)
             self.filled |= filled
         return result
 

@@ -35,6 +35,7 @@ class Kind:
         """Receiver vertices that got values though they are unmatched."""
         self._progress: Progress | None = None
         self._done = 0
+        self._told = 0.0
 
     @classmethod
     def read(cls, donor: Donor, settings: Settings) -> Any:
@@ -47,7 +48,7 @@ class Kind:
 
     def run(self, progress: Progress | None = None) -> None:
         """compute(), with what is done in [0, 1]; a False from `progress` raises isograft.Cancelled."""
-        self._progress, self._done = progress, 0
+        self._progress, self._done, self._told = progress, 0, 0.0
         self.compute()
 
     def compute(self) -> None:
@@ -59,11 +60,16 @@ class Kind:
         begin, self._done = self._done / parts, self._done + 1
 
         def report(stage: str, fraction: float) -> bool:
-            return self._progress is None or self._progress(stage, min(1.0, begin + fraction / parts))
+            self._told = min(1.0, begin + fraction / parts)
+            return self._progress is None or self._progress(stage, self._told)
 
         if not report(self.noun, 0.0):
             raise isograft.Cancelled("cancelled by the caller")
         return report
+
+    def hold(self, stage: str, fraction: float) -> bool:
+        """The progress of a call that has no share of it: stays where it was, and may cancel."""
+        return self._progress is None or self._progress(stage, self._told)
 
     def write(self) -> None:
         """Give it to the receiver."""
@@ -93,7 +99,7 @@ class Kind:
         )
         if not self.settings.fill:
             return moved[0], moved.mask
-        result, mask, filled = complete(pair, moved[0], moved.mask)
+        result, mask, filled = complete(pair, moved[0], moved.mask, self.hold)
         self.filled |= filled
         return result, mask
 

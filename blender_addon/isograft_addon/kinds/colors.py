@@ -60,7 +60,7 @@ class Colors(Kind):
         values = np.where(moved.mask[:, None], moved.values, 0.0)
         if self.settings.fill:
             limits = {"low": float(layer.values.min()), "high": float(layer.values.max())}
-            values, filled = fill_points(self.pair, values, moved.mask, **limits)
+            values, filled = fill_points(self.pair, values, moved.mask, self.hold, **limits)
             self.filled |= filled
         return values
 

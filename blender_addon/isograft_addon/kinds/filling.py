@@ -7,25 +7,28 @@ import numpy as np
 from isograft import transfer
 
 from ..bridge import Array
+from ..job import Progress
 from ..pairing import Pair
 
 
-def fill_points(pair: Pair, values: Array, known: Array, **limits: float) -> tuple[Array, Array]:
+def fill_points(pair: Pair, values: Array, known: Array, progress: Progress, **limits: float) -> tuple[Array, Array]:
     """Values (n, ...) completed over the surface within the limits `low` and `high`, and the vertices (n,) filled."""
     if known.all() or not known.any():
         return values, np.zeros(len(known), dtype=bool)
-    completed, filled = transfer.fill_point(pair.own.vertices, pair.own.triangles, values, known, **limits)
+    completed, filled = transfer.fill_point(
+        pair.own.vertices, pair.own.triangles, values, known, progress=progress, **limits
+    )
     return completed, filled
 
 
-def fill_corners(pair: Pair, values: Array, known: Array) -> tuple[Array, Array, Array]:
+def fill_corners(pair: Pair, values: Array, known: Array, progress: Progress) -> tuple[Array, Array, Array]:
     """Values (3 F, ...) completed, the triangles (F,) that have values now, and the vertices (n,) that were filled."""
-    return _corners(transfer.fill_corner, pair, values, known)
+    return _corners(transfer.fill_corner, pair, values, known, progress)
 
 
-def fill_normals(pair: Pair, values: Array, known: Array) -> tuple[Array, Array, Array]:
+def fill_normals(pair: Pair, values: Array, known: Array, progress: Progress) -> tuple[Array, Array, Array]:
     """As fill_corners, for custom normals (3 F, 3)."""
-    return _corners(transfer.fill_normals, pair, values, known)
+    return _corners(transfer.fill_normals, pair, values, known, progress)
 
 
 def fill_faces(pair: Pair, values: Array, known: Array) -> tuple[Array, Array]:
@@ -38,7 +41,7 @@ def fill_faces(pair: Pair, values: Array, known: Array) -> tuple[Array, Array]:
     return completed, marks(pair, known[pair.own.polygons], filled[pair.own.polygons])
 
 
-def fill_edges(pair: Pair, values: Array) -> tuple[Array, Array]:
+def fill_edges(pair: Pair, values: Array, progress: Progress) -> tuple[Array, Array]:
     """Values (e, ...) of the receiver's edges carried on from the matched ones, and the vertices (n,) that were filled.
 
     A matched edge without a value has none on the donor either: that is known of it.
@@ -48,17 +51,17 @@ def fill_edges(pair: Pair, values: Array) -> tuple[Array, Array]:
     marked = np.zeros(len(matched), dtype=bool)
     if known.all() or not known.any():
         return values, marked
-    completed, filled = transfer.fill_edge(pair.own.vertices, edges, values, known)
+    completed, filled = transfer.fill_edge(pair.own.vertices, edges, values, known, progress=progress)
     marked[edges[filled]] = True
     return completed, marked & ~matched
 
 
-def _corners(fill: Any, pair: Pair, values: Array, known: Array) -> tuple[Array, Array, Array]:
+def _corners(fill: Any, pair: Pair, values: Array, known: Array, progress: Progress) -> tuple[Array, Array, Array]:
     # A polygon with an unmatched triangle is unmatched as a whole.
     whole = pair.whole_polygons(known)[pair.own.polygons]
     if whole.all() or not whole.any():
         return values, whole, np.zeros(len(pair.own.vertices), dtype=bool)
-    completed, filled = fill(pair.own.vertices, pair.own.triangles, values, whole)
+    completed, filled = fill(pair.own.vertices, pair.own.triangles, values, whole, progress=progress)
     return completed, whole | filled, marks(pair, whole, filled)
 
 

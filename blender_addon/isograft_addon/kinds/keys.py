@@ -103,7 +103,7 @@ class Keys(Kind):
         values, rows = np.asarray(moved.values), np.asarray(moved.mask)
         if settings.fill:
             flat = np.moveaxis(values, 0, 1).reshape(len(rows), -1)
-            flat, filled = fill_points(pair, flat, rows)
+            flat, filled = fill_points(pair, flat, rows, self.hold)
             values = np.moveaxis(flat.reshape(len(rows), -1, 3), 1, 0)
             self.filled |= filled
             rows = rows | filled
