@@ -11,6 +11,7 @@
 #include "blend/completion.h"
 #include "blend/contest.h"
 #include "blend/core.h"
+#include "blend/pocket.h"
 
 namespace isograft {
 
@@ -131,11 +132,11 @@ std::vector<Blended> blend(const Pair& pair, const PatchSettings& settings, cons
         [&](int i, int /*worker*/) {
             const Contender& chosen = contenders[ranked[i]];
             Completion& completion = *chosen.completion;
+            const double fit = choice_score(completion.quality());
+            fill_pockets(completion.map(), pair, monitor);
             completion.place_anchors();
-            const std::vector<double> risk = completion.doubts();
-            const MapQuality quality = measure_quality(pair, settings.feature, completion.map(), risk);
-            result[i] = {completion.map(),     risk, chosen.quality, chosen.score, cores[ranked[i]].count,
-                         choice_score(quality)};
+            result[i] = {completion.map(), completion.doubts(),    chosen.quality,
+                         chosen.score,     cores[ranked[i]].count, fit};
         },
         monitor, "blend", middle, middle);
     monitor.report("blend", to);

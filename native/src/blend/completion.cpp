@@ -209,9 +209,35 @@ double Completion::incompatibility(const PartialMap& map) const {
     return count > 0 ? sum / count : 1.0;
 }
 
-std::vector<std::vector<double>> Completion::claims(const std::vector<int>& vacant, Piece progress) {
+// A patch that concerns the part in question, and fits the anchors, has a say.
+template <class Concerned>
+void Completion::speak(std::size_t i, Concerned&& concerned, std::vector<std::size_t>& index,
+                       std::vector<double>& says) const {
+    const PartialMap& map = patches_[i]->map;
+    if (!concerned(map)) return;
+    const double incompatible = incompatibility(map);
+    if (incompatible > patch_strictness * settings_.blend.max_incompatibility) return;
+    index.push_back(i);
+    says.push_back(std::exp(-2.0 * patches_[i]->quality - 10.0 * incompatible));
+}
+
+std::vector<std::vector<double>> Completion::claims_of(const std::vector<std::size_t>& index,
+                                                       const std::vector<double>& says) const {
+    std::vector<const PartialMap*> maps;
+    maps.reserve(index.size());
+    for (const std::size_t i : index) maps.push_back(&patches_[i]->map);
     std::vector<std::vector<double>> result;
-    if (!place_anchors()) return result;
+    for (const std::vector<std::size_t>& set :
+         compatible_sets(pair_.source.samples, maps, says, settings_.blend.agreement_radius, most_claims)) {
+        std::vector<double> claim(patches_.size(), 0.0);
+        for (const std::size_t k : set) claim[index[k]] = says[k];
+        result.push_back(std::move(claim));
+    }
+    return result;
+}
+
+std::vector<std::vector<double>> Completion::claims(const std::vector<int>& vacant, Piece progress) {
+    if (!place_anchors()) return {};
     const Samples& target = pair_.target.samples;
     std::vector<char> inside(target.count(), 0);
     for (const int t : vacant) inside[t] = 1;
@@ -224,23 +250,12 @@ std::vector<std::vector<double>> Completion::claims(const std::vector<int>& vaca
         }
         return 2 * count > std::min<int>(map.count, static_cast<int>(vacant.size()));
     };
-    const double strict = patch_strictness * settings_.blend.max_incompatibility;
     std::vector<std::size_t> index;
-    std::vector<const PartialMap*> maps;
     std::vector<double> says;
-    const auto consider = [&](std::size_t i) {
-        const PartialMap& map = patches_[i]->map;
-        if (!lands(map)) return;
-        const double incompatible = incompatibility(map);
-        if (incompatible > strict) return;
-        index.push_back(i);
-        maps.push_back(&map);
-        says.push_back(std::exp(-2.0 * patches_[i]->quality - 10.0 * incompatible));
-    };
     // Those of the search that lost against the core, and new ones.
     for (std::size_t i = 0; i < patches_.size(); ++i) {
         if (i % 16 == 0) progress.check();
-        consider(i);
+        speak(i, lands, index, says);
     }
     const std::vector<Candidate> all = challengers(vacant);
     for (std::size_t i = 0; i < all.size(); ++i) {
@@ -250,15 +265,40 @@ std::vector<std::vector<double>> Completion::claims(const std::vector<int>& vaca
         own_.push_back(std::make_shared<const Patch>(Patch{to_map(trial, all[i].seed, pair_), trial.quality, 0.0}));
         patches_.push_back(own_.back().get());
         weights_.push_back(0.0);
-        consider(patches_.size() - 1);
+        speak(patches_.size() - 1, lands, index, says);
     }
-    for (const std::vector<std::size_t>& set :
-         compatible_sets(pair_.source.samples, maps, says, settings_.blend.agreement_radius, most_claims)) {
-        std::vector<double> claim(patches_.size(), 0.0);
-        for (const std::size_t k : set) claim[index[k]] = says[k];
-        result.push_back(std::move(claim));
+    return claims_of(index, says);
+}
+
+std::vector<std::vector<int>> Completion::disputed_parts(double least) const {
+    const Samples& source = pair_.source.samples;
+    std::vector<char> disputed(source.count(), 0);
+    for (int s = 0; s < source.count(); ++s) {
+        if (!map_.mapped[s]) continue;
+        disputed[s] = support_.rival(s, map_.position[s]) > support_.share(s, map_.position[s]) ? 1 : 0;
     }
-    return result;
+    return parts_by_area(source, std::move(disputed), least);
+}
+
+std::vector<std::vector<double>> Completion::dissent(const std::vector<int>& part, Piece progress) {
+    if (!place_anchors()) return {};
+    const auto objects = [&](const PartialMap& map) {
+        int shared = 0;
+        int elsewhere = 0;
+        for (const int s : part) {
+            if (!map.mapped[s] || !map_.mapped[s]) continue;
+            ++shared;
+            elsewhere += (map.position[s] - map_.position[s]).norm() > 2.0 * settings_.blend.agreement_radius ? 1 : 0;
+        }
+        return 2 * shared > std::min<int>(map.count, static_cast<int>(part.size())) && 2 * elsewhere > shared;
+    };
+    std::vector<std::size_t> index;
+    std::vector<double> says;
+    for (std::size_t i = 0; i < patches_.size(); ++i) {
+        if (i % 16 == 0) progress.check();
+        speak(i, objects, index, says);
+    }
+    return claims_of(index, says);
 }
 
 void Completion::yield_to(const std::vector<double>& claim) {

@@ -46,6 +46,12 @@ class Completion {
     /// \param vacant samples of T. \return sets that may be true together, each as a say per patch of this object; the
     /// most promising first, none if nothing leads there.
     [[nodiscard]] std::vector<std::vector<double>> claims(const std::vector<int>& vacant, Piece progress);
+    /// Connected parts of S that most patches put in another place than the map does, the largest first: a limb that
+    /// was taken for another one, though no part of T stayed empty.
+    /// \param least smallest part, as a share of S's area. \return samples of S, rising.
+    [[nodiscard]] std::vector<std::vector<int>> disputed_parts(double least) const;
+    /// Patches that put a part of S elsewhere, as claims() has them.
+    [[nodiscard]] std::vector<std::vector<double>> dissent(const std::vector<int>& part, Piece progress);
     /// Put in the map what a claim says; what contradicts it gives way.
     void yield_to(const std::vector<double>& claim);
 
@@ -83,6 +89,10 @@ class Completion {
     void try_candidate(const TrialSeed& seed);
     [[nodiscard]] std::vector<Candidate> challengers(const std::vector<int>& vacant) const;
     [[nodiscard]] double incompatibility(const PartialMap& map) const;
+    template <class Concerned>
+    void speak(std::size_t i, Concerned&& concerned, std::vector<std::size_t>& index, std::vector<double>& says) const;
+    [[nodiscard]] std::vector<std::vector<double>> claims_of(const std::vector<std::size_t>& index,
+                                                             const std::vector<double>& says) const;
 
     const Pair& pair_;
     PatchSettings settings_;

@@ -14,6 +14,10 @@ namespace {
 
 // Of T's area; what growth leaves out at rims and tips is less.
 constexpr double least_vacancy = 0.01;
+// Of S's area.
+constexpr double least_dispute = 0.02;
+// A map worth more is right where patches contradict it: of a dozen such disputes none gained two per cent.
+constexpr double beyond_dispute = 0.7;
 constexpr int most_contests = 9;
 // Of extension after a claim: what it leaves out is contested in turn.
 constexpr int rounds_of_a_claim = 1;
@@ -29,26 +33,47 @@ bool same_part(const std::vector<int>& a, const std::vector<int>& b) {
     return 5 * shared.size() > 4 * std::max(a.size(), b.size());
 }
 
+// What a claim is about.
+struct Ground {
+    /// Nothing came to a part of T; else a part of S that most patches put elsewhere.
+    bool vacant;
+    std::vector<int> part;
+};
+
+/// \param score what the map is worth.
+std::vector<Ground> grounds(const Completion& completion, const Pair& pair, double score) {
+    std::vector<Ground> result;
+    for (std::vector<int>& part : vacant_parts(pair, completion.map(), least_vacancy)) {
+        result.push_back({true, std::move(part)});
+    }
+    if (score > beyond_dispute) return result;
+    for (std::vector<int>& part : completion.disputed_parts(least_dispute)) result.push_back({false, std::move(part)});
+    return result;
+}
+
 }  // namespace
 
 std::unique_ptr<Completion> contest(std::unique_ptr<Completion> completion, const Pair& pair,
                                     const PatchSettings& settings, Piece progress) {
-    std::vector<std::vector<int>> vacant = vacant_parts(pair, completion->map(), least_vacancy);
-    if (vacant.empty()) return completion;
-    completion->be_exclusive();
     double best = choice_score(completion->quality());
-    std::vector<std::vector<int>> settled;
+    std::vector<Ground> open = grounds(*completion, pair, best);
+    if (open.empty()) return completion;
+    completion->be_exclusive();
+    best = choice_score(completion->quality());
+    std::vector<Ground> settled;
     int failures = 0;
     bool changed = false;
     for (int round = 0; round < most_contests && failures < most_failures; ++round) {
         progress.reach(static_cast<double>(round) / (most_contests + 1));
-        const auto open = std::find_if(vacant.begin(), vacant.end(), [&](const std::vector<int>& part) {
-            return std::none_of(settled.begin(), settled.end(),
-                                [&](const std::vector<int>& old) { return same_part(part, old); });
+        const auto next = std::find_if(open.begin(), open.end(), [&](const Ground& ground) {
+            return std::none_of(settled.begin(), settled.end(), [&](const Ground& old) {
+                return old.vacant == ground.vacant && same_part(ground.part, old.part);
+            });
         });
-        if (open == vacant.end()) break;
+        if (next == open.end()) break;
+        Piece asking = progress.until((round + 0.3) / (most_contests + 1));
         const std::vector<std::vector<double>> claims =
-            completion->claims(*open, progress.until((round + 0.3) / (most_contests + 1)));
+            next->vacant ? completion->claims(next->part, asking) : completion->dissent(next->part, asking);
         std::vector<std::unique_ptr<Completion>> tries(claims.size());
         std::vector<double> scores(claims.size(), 0.0);
         std::vector<Piece> pieces = progress.split(static_cast<double>(round + 1) / (most_contests + 1), claims.size());
@@ -62,14 +87,14 @@ std::unique_ptr<Completion> contest(std::unique_ptr<Completion> completion, cons
             },
             progress.monitor(), "blend", 0.0, 0.0);
         const auto winner = std::max_element(scores.begin(), scores.end());
-        settled.push_back(*open);
+        settled.push_back(*next);
         ++failures;
         if (winner == scores.end() || *winner <= margin * best) continue;
         failures = 0;
         changed = true;
         best = *winner;
         completion = std::move(tries[winner - scores.begin()]);
-        vacant = vacant_parts(pair, completion->map(), least_vacancy);
+        open = grounds(*completion, pair, best);
         // What failed against the old map may fit the new one.
         settled.clear();
     }

@@ -7,12 +7,13 @@
 
 namespace isograft {
 
-/// Let other patches contest a finished map where it leaves a part of T empty: on a whole body an empty limb means that
-/// the part of S which belongs there was put elsewhere, on another limb or doubled with it. Each claim (see
-/// Completion::claims()) is carried out on a copy and extended like the map itself; the map that is worth most by
-/// choice_score() stays, and its own empty parts are contested in turn.
+/// Let other patches contest a finished map where it leaves a part of T empty, and, unless it is worth a lot, where
+/// most patches put a part of S elsewhere. On a whole body an empty limb means that the part of S which belongs there
+/// was put on another limb or doubled with it; two limbs that were exchanged leave nothing empty, but patches disagree.
+/// Each claim (see Completion::claims() and dissent()) is carried out on a copy and extended like the map itself; the
+/// map that is worth most by choice_score() stays, and is contested in turn.
 ///
-/// Costs nothing where the map leaves no empty part. Equal bit for bit for any number of threads.
+/// Costs next to nothing where there is nothing to contest. Equal bit for bit for any number of threads.
 /// \return `completion`, whose map is finished, or a better one.
 std::unique_ptr<Completion> contest(std::unique_ptr<Completion> completion, const Pair& pair,
                                     const PatchSettings& settings, Piece progress);

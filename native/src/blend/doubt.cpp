@@ -6,6 +6,11 @@
 
 namespace isograft {
 
+namespace {
+// Of a place that few patches speak of: little weight on both sides is no evidence.
+constexpr double prior = 0.05;
+}  // namespace
+
 double doubt(const Evidence& e) {
     const double distances = std::log(0.01 + e.incompatibility);
     double odds = e.hearsay;
@@ -37,8 +42,6 @@ Support::Support(const std::vector<Patch>& patches, int samples, double radius, 
 }
 
 double Support::share(int sample, const Eigen::Vector3d& x) const {
-    // Little weight on both sides is no evidence.
-    constexpr double prior = 0.05;
     double all = 2.0 * prior;
     double here = prior;
     for (const Say& say : says_[sample]) {
@@ -46,6 +49,21 @@ double Support::share(int sample, const Eigen::Vector3d& x) const {
         if ((say.position - x).squaredNorm() < radius_ * radius_) here += say.weight;
     }
     return here / all;
+}
+
+double Support::rival(int sample, const Eigen::Vector3d& x) const {
+    double all = 2.0 * prior;
+    double most = 0.0;
+    for (const Say& say : says_[sample]) all += say.weight;
+    for (const Say& there : says_[sample]) {
+        if ((there.position - x).norm() < 2.0 * radius_) continue;
+        double sum = 0.0;
+        for (const Say& say : says_[sample]) {
+            if ((say.position - there.position).squaredNorm() < radius_ * radius_) sum += say.weight;
+        }
+        most = std::max(most, sum);
+    }
+    return (prior + most) / all;
 }
 
 }  // namespace isograft

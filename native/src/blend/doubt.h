@@ -38,6 +38,8 @@ class Support {
 
     /// Weighted share of the patches' images of `sample` that lie within the radius of `x`; 0.5 if there are none.
     [[nodiscard]] double share(int sample, const Eigen::Vector3d& x) const;
+    /// The same of the place that most of them favour beyond twice the radius from `x`.
+    [[nodiscard]] double rival(int sample, const Eigen::Vector3d& x) const;
 
   private:
     struct Say {

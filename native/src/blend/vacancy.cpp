@@ -39,24 +39,13 @@ std::vector<std::vector<int>> connected_parts(const Samples& samples, std::vecto
 
 }  // namespace
 
-std::vector<std::vector<int>> vacant_parts(const Pair& pair, const PartialMap& map, double least) {
-    const Samples& target = pair.target.samples;
-    std::vector<char> covered(target.count(), 0);
-    for (std::size_t s = 0; s < map.mapped.size(); ++s) {
-        if (!map.mapped[s]) continue;
-        const int home = target.nearest(pair.target.mesh, map.image[s]);
-        if (home >= 0) covered[home] = 1;
-    }
-    // The two samplings are not the same: even where a map is whole, not every sample of T is nearest to an image.
-    covered = with_neighbours(target, covered);
-    std::vector<char> open(target.count());
-    for (int t = 0; t < target.count(); ++t) open[t] = covered[t] ? 0 : 1;
+std::vector<std::vector<int>> parts_by_area(const Samples& samples, std::vector<char> marked, double least) {
     std::vector<std::vector<int>> parts;
     std::vector<double> areas;
-    const double total = std::accumulate(target.area.begin(), target.area.end(), 0.0);
-    for (std::vector<int>& part : connected_parts(target, open)) {
+    const double total = std::accumulate(samples.area.begin(), samples.area.end(), 0.0);
+    for (std::vector<int>& part : connected_parts(samples, std::move(marked))) {
         double area = 0.0;
-        for (const int t : part) area += target.area[t];
+        for (const int t : part) area += samples.area[t];
         if (area < least * total) continue;
         std::sort(part.begin(), part.end());
         parts.push_back(std::move(part));
@@ -69,6 +58,21 @@ std::vector<std::vector<int>> vacant_parts(const Pair& pair, const PartialMap& m
     result.reserve(parts.size());
     for (const std::size_t i : order) result.push_back(std::move(parts[i]));
     return result;
+}
+
+std::vector<std::vector<int>> vacant_parts(const Pair& pair, const PartialMap& map, double least) {
+    const Samples& target = pair.target.samples;
+    std::vector<char> covered(target.count(), 0);
+    for (std::size_t s = 0; s < map.mapped.size(); ++s) {
+        if (!map.mapped[s]) continue;
+        const int home = target.nearest(pair.target.mesh, map.image[s]);
+        if (home >= 0) covered[home] = 1;
+    }
+    // The two samplings are not the same: even where a map is whole, not every sample of T is nearest to an image.
+    covered = with_neighbours(target, covered);
+    std::vector<char> open(target.count());
+    for (int t = 0; t < target.count(); ++t) open[t] = covered[t] ? 0 : 1;
+    return parts_by_area(target, std::move(open), least);
 }
 
 namespace {

@@ -14,6 +14,10 @@ namespace isograft {
 /// \return indices of T's samples, rising.
 std::vector<std::vector<int>> vacant_parts(const Pair& pair, const PartialMap& map, double least);
 
+/// The marked samples, sorted into parts that level-0 edges join, the largest first.
+/// \param least smallest part, as a share of the surface's area; smaller ones are left out. \return indices, rising.
+std::vector<std::vector<int>> parts_by_area(const Samples& samples, std::vector<char> marked, double least);
+
 /// Samples of S whose images lie among those of another part of S that is to be trusted more: of two parts on one
 /// place, one is wrong. Parts are compared by their mean doubt, so that one wins whole.
 /// \param doubts per sample of S, as Completion::doubts() has them. \return per sample 1 where it loses.

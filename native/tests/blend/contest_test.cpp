@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "blend/completion_bench.h"
+#include "blend/vacancy.h"
 #include "twins.h"
 
 namespace isograft {
@@ -16,6 +17,7 @@ namespace {
 const Twins& twins() { return Twins::of_a_blob(); }
 
 constexpr double end = 0.45;
+constexpr double small_end = 0.3;
 
 double distance(int a, int b) {
     const Samples& source = twins().pair().source.samples;
@@ -28,6 +30,22 @@ int other_end() {
         if (distance(s, 0) > distance(best, 0)) best = s;
     }
     return best;
+}
+
+std::vector<int> samples_near(int centre, double radius = end) {
+    std::vector<int> result;
+    for (const int s : twins().all_samples()) {
+        if (distance(s, centre) < radius) result.push_back(s);
+    }
+    return result;
+}
+
+/// Share of the samples around `centre` that a map puts where they belong.
+double share_right(const PartialMap& map, int centre, double radius = end) {
+    const std::vector<int> near = samples_near(centre, radius);
+    const auto right = std::count_if(
+        near.begin(), near.end(), [&](int s) { return map.mapped[s] != 0 && twins().error(s, map.position[s]) < 1.0; });
+    return static_cast<double>(right) / static_cast<double>(near.size());
 }
 
 /// Right patches all over the body.
@@ -53,15 +71,26 @@ struct Bench : CompletionBench {
 /// The true map but for one end, whose samples lie on those of the other end: that end of T stays empty.
 PartialMap one_end_on_the_other() {
     PartialMap map = twins().true_map(twins().all_samples());
-    std::vector<int> there;
-    for (const int s : twins().all_samples()) {
-        if (distance(s, 0) < end) there.push_back(s);
-    }
+    const std::vector<int> there = samples_near(0);
     std::size_t next = 0;
-    for (const int s : twins().all_samples()) {
-        if (distance(s, other_end()) >= end) continue;
+    for (const int s : samples_near(other_end())) {
         const OrientedMatch match = twins().true_match(there[next++ % there.size()]);
         map.put(twins().pair().target.mesh, s, match.point, match.rotation);
+    }
+    return map;
+}
+
+/// The true map but for two ends, each of which lies on the other: nothing of T stays empty.
+PartialMap ends_exchanged() {
+    PartialMap map = twins().true_map(twins().all_samples());
+    const std::vector<int> two[] = {samples_near(0, small_end), samples_near(other_end(), small_end)};
+    for (int side = 0; side < 2; ++side) {
+        const std::vector<int>& from = two[side];
+        const std::vector<int>& to = two[1 - side];
+        for (std::size_t i = 0; i < from.size(); ++i) {
+            const OrientedMatch match = twins().true_match(to[i * to.size() / from.size()]);
+            map.put(twins().pair().target.mesh, from[i], match.point, match.rotation);
+        }
     }
     return map;
 }
@@ -92,15 +121,19 @@ TEST(Contest, BringsBackAnEndThatLayOnTheOther) {
     const double before = choice_score(bench.completion.quality());
     bench.completion.map() = contested();
     EXPECT_GT(choice_score(bench.completion.quality()), before);
-    int right = 0;
-    int count = 0;
-    for (const int s : twins().all_samples()) {
-        if (distance(s, other_end()) >= end) continue;
-        ++count;
-        right += contested().mapped[s] && twins().error(s, contested().position[s]) < 1.0 ? 1 : 0;
-    }
-    ASSERT_GT(count, 20);
-    EXPECT_GT(right, 9 * count / 10);
+    ASSERT_GT(samples_near(other_end()).size(), 20U);
+    EXPECT_GT(share_right(contested(), other_end()), 0.9);
+}
+
+TEST(Contest, BringsBackTwoEndsThatWereExchanged) {
+    Bench bench;
+    bench.completion.map() = ends_exchanged();
+    ASSERT_LT(share_right(bench.completion.map(), 0, small_end), 0.1);
+    ASSERT_TRUE(vacant_parts(twins().pair(), bench.completion.map(), 0.01).empty());
+    EXPECT_EQ(bench.completion.disputed_parts(0.02).size(), 2U);
+    const std::unique_ptr<Completion> after = bench.run(1);
+    EXPECT_GT(share_right(after->map(), 0, small_end), 0.9);
+    EXPECT_GT(share_right(after->map(), other_end(), small_end), 0.9);
 }
 
 TEST(Contest, IsTheSameWithOneThreadAndWithTwo) {

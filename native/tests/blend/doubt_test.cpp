@@ -95,5 +95,14 @@ TEST_F(SupportOfPatches, WeighsPatchesByTheirQuality) {
     EXPECT_GT(support.share(3, Eigen::Vector3d::Zero()), 0.7);
 }
 
+TEST_F(SupportOfPatches, NamesTheStrongestRivalOfAPlace) {
+    const std::vector<Patch> patches{at(0.0), at(1.0), at(1.01), at(2.0)};
+    const Support support(patches, 5, radius, 0.1);
+    EXPECT_NEAR(support.rival(3, Eigen::Vector3d::Zero()), 0.5, 0.02);
+    EXPECT_NEAR(support.rival(3, Eigen::Vector3d(1.0, 0.0, 0.0)), 0.25, 0.02);
+    // Beside a place is no other place.
+    EXPECT_LT(Support({at(0.0)}, 5, radius, 0.1).rival(3, Eigen::Vector3d(1.5 * radius, 0.0, 0.0)), 0.05);
+}
+
 }  // namespace
 }  // namespace isograft
