@@ -30,8 +30,7 @@ double intra_affinity(const Eigen::MatrixXd& weight, const std::vector<int>& mem
         }
         sum += in * out;
     }
-    const auto size = static_cast<double>(members.size());
-    return sum / (size * size);
+    return sum / static_cast<double>(members.size());
 }
 
 }  // namespace

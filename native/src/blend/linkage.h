@@ -19,7 +19,9 @@ struct LinkageOptions {
 struct Clusters {
     /// Per cluster its items, ascending; items without a neighbour are clusters of one.
     std::vector<std::vector<int>> members;
-    /// Per cluster the sum over its members of in-degree times out-degree within it.
+    /// Per cluster the mean over its members of in-degree times out-degree within it: how much a member is tied to the
+    /// others. Over the squared size, as affinity() has it for two clusters, it would fall with one over the size once
+    /// that is beyond the number of neighbours, and the winner would be a small cluster of about so many items.
     std::vector<double> affinity;
 };
 

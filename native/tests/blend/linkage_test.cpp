@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "blend/linkage.h"
 
+#include <algorithm>
+#include <cstdlib>
 #include <limits>
 #include <vector>
 
@@ -52,6 +54,25 @@ TEST(GraphDegreeLinkage, FindsGroupsAndPutsTheTightestFirst) {
     EXPECT_EQ(clusters.members[2], (std::vector<int>{9}));
     EXPECT_GT(clusters.affinity[0], clusters.affinity[1]);
     EXPECT_DOUBLE_EQ(clusters.affinity[2], 0.0);
+}
+
+TEST(GraphDegreeLinkage, PutsALargeGroupBeforeASmallOneThatIsNoTighter) {
+    // Two rings, so that every item is among the nearest of as many as it points at.
+    const std::vector<int> sizes{6, 18};
+    Eigen::MatrixXd distance = groups(sizes, 0.1, 5.0);
+    int begin = 0;
+    for (const int size : sizes) {
+        for (int i = 0; i < size; ++i) {
+            for (int j = 0; j < size; ++j) {
+                const int apart = std::min(std::abs(i - j), size - std::abs(i - j));
+                if (i != j) distance(begin + i, begin + j) += 0.001 * apart;
+            }
+        }
+        begin += size;
+    }
+    const Clusters clusters = graph_degree_linkage(distance, {8, 0.1});
+    ASSERT_EQ(clusters.members.size(), 2U);
+    EXPECT_EQ(clusters.members[0].size(), 18U);
 }
 
 TEST(GraphDegreeLinkage, WithThresholdZeroJoinsAllThatIsConnected) {
