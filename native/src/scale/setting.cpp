@@ -104,6 +104,32 @@ std::vector<double> exact_ratios(const Side& source, const Side& target) {
     return ratios;
 }
 
+double openness(const TriangleMesh& mesh) {
+    const auto open = std::count(mesh.on_boundary.begin(), mesh.on_boundary.end(), 1);
+    return static_cast<double>(open) / std::max(1, mesh.vertex_count());
+}
+
+// Scales worth trying for one side of each surface. Points of a whole surface vote for anything where an open one lacks
+// what they show; then those of the open one are asked as well.
+std::vector<double> candidates(const Choice& side, const MatchOptions& options, Monitor& monitor) {
+    const std::vector<double> exact = exact_ratios(*side.source, *side.target);
+    const auto certain = [&](const std::vector<double>& found) {
+        return found.size() == 1 && std::find(exact.begin(), exact.end(), found[0]) != exact.end();
+    };
+    std::vector<double> found = scale_candidates(side.votes, exact);
+    const TriangleMesh& source = side.source->coarse.mesh;
+    const TriangleMesh& target = side.target->coarse.mesh;
+    if (certain(found) || openness(target) <= 2.0 * openness(source)) return found;
+    const double at = monitor.fraction();
+    ScaleVotes back = vote_scale(target, source, options.feature, options.scale, options.random_seed + 4,
+                                 options.threads, monitor, at, at);
+    back.by_fit = 1.0 / back.by_fit;
+    back.by_vote = 1.0 / back.by_vote;
+    // A measured ratio more is one more that probes may mistake for the right one.
+    const std::vector<double> others = scale_candidates(back, exact);
+    return certain(others) ? others : found;
+}
+
 std::vector<Choice> possible_settings(const std::vector<const Side*>& sources, const std::vector<const Side*>& targets,
                                       const MatchOptions& options, MatchReport& report, Monitor& monitor, double from,
                                       double to) {
@@ -127,7 +153,7 @@ std::vector<Choice> possible_settings(const std::vector<const Side*>& sources, c
     if (sides.size() == 2 && outvoted(sides[1].votes, sides[0].votes)) sides.pop_back();
     std::vector<Choice> choices;
     for (Choice side : sides) {
-        for (const double scale : scale_candidates(side.votes, exact_ratios(*side.source, *side.target))) {
+        for (const double scale : candidates(side, options, monitor)) {
             side.setting.scale = scale;
             choices.push_back(side);
         }
