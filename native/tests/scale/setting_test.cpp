@@ -35,7 +35,7 @@ const shapes::Shape& ragged() {
     return shape;
 }
 
-TEST(Setting, AsksTheOpenSurfaceWhereTheWholeOneVotesForAnything) {
+TEST(Setting, FindsACommonUnitEitherWayWhereVotesOfTheWholeGoAstray) {
     Monitor monitor;
     const ScaleVotes astray = vote_scale(gate(body()).mesh(), gate(ragged()).mesh(), {}, {}, 4, 2, monitor, 0.0, 1.0);
     ASSERT_GT(std::abs(std::log(astray.by_fit)), 0.5);
