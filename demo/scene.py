@@ -90,8 +90,8 @@ def world_points(items: list[bpy.types.Object]) -> Array:
     return np.concatenate(found)
 
 
-def studio(samples: int) -> None:
-    """Ground, sky, key and fill light, and Cycles on the processor."""
+def studio(samples: int, reach: float = 80.0) -> None:
+    """Ground as far as `reach` from the middle, sky, key and fill light, and Cycles on the processor."""
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
     scene.cycles.device = "CPU"
@@ -110,7 +110,8 @@ def studio(samples: int) -> None:
     sky = scene.world.node_tree.nodes["Background"]
     sky.inputs["Color"].default_value = (0.80, 0.88, 1.0, 1.0)
     sky.inputs["Strength"].default_value = 0.55
-    ground = add_mesh("Ground", np.array([(-80, -80, 0), (80, -80, 0), (80, 80, 0), (-80, 80, 0)]), [(0, 1, 2, 3)])
+    corners = reach * np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)])
+    ground = add_mesh("Ground", corners, [(0, 1, 2, 3)])
     ground.data.materials.append(plain_material("Ground", BACKDROP, 1.0))
     for name, energy, soft, direction in (
         ("Key", 2.3, 0.12, (-0.55, 0.75, -1.0)),
@@ -154,7 +155,8 @@ def frame(items: list[bpy.types.Object], azimuth: float, elevation: float, pixel
     middle = 0.5 * (low + high)
     middle[2] += distance
     camera.matrix_world = Matrix.Translation(Vector(middle @ axes)) @ turn.to_matrix().to_4x4()
-    camera.data.clip_end = 1000.0
+    # Users' files come in any unit.
+    camera.data.clip_start, camera.data.clip_end = 0.01 * distance, 100.0 * distance
     bpy.context.view_layer.update()
 
 
@@ -177,11 +179,14 @@ def caption(text: str, under: bpy.types.Object, size: float) -> bpy.types.Object
 
 
 def level(captions: list[bpy.types.Object]) -> None:
-    """Lower the captions to one line as the camera sees them."""
+    """Lower the captions to one line as the camera sees them, and keep them out of the ground."""
     axes = np.array(bpy.context.scene.camera.matrix_world)[:3, :3].T
     heights = [float(np.array(item.matrix_world.translation) @ axes[1]) for item in captions]
     for item, height in zip(captions, heights, strict=True):
-        item.matrix_world = Matrix.Translation(Vector(axes[1] * (min(heights) - height))) @ item.matrix_world
+        step = axes[1] * (min(heights) - height)
+        sunk = 2.0 * item.data.size - float(item.matrix_world.translation.z + step[2])
+        step = step + axes[2] * max(0.0, sunk) / axes[2, 2]
+        item.matrix_world = Matrix.Translation(Vector(step)) @ item.matrix_world
     bpy.context.view_layer.update()
 
 
