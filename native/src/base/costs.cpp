@@ -24,7 +24,7 @@ Costs::Costs(const MatchOptions& options)
     probes_of_setting_ = (0.05 * samples + 0.1 * options.scale.probes / 120.0) / n;
     growth_ = (0.05 * samples + 0.2 * options.seed.probes / 250.0 + 1.2 * patch * options.blend.patches / 120.0) / n;
     core_ = samples * (0.2 + 0.2 * options.blend.rounds);
-    answer_ = samples * (0.6 + 0.6 * options.blend.careful_rounds);
+    answer_ = samples * (0.75 + 0.75 * options.blend.careful_rounds);
     refinement_ = options.dense.refine_weight > 0.0 ? 0.09 * samples * options.dense.refine_iterations / n : 0.0;
 }
 

@@ -75,6 +75,9 @@ class Completion {
     [[nodiscard]] PartialMap& map() { return map_; }
 
   private:
+    /// A candidate's whole patch must fit the anchors better than its seed alone had to.
+    static constexpr double patch_strictness = 0.7;
+
     struct Candidate {
         double score;
         TrialSeed seed;
