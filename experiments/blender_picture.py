@@ -37,7 +37,8 @@ def main() -> None:
         arrays = dict(file)
     told = json.loads(str(arrays["told"]))
     scene.clear()
-    scene.studio(told["samples"])
+    size = max(float(np.ptp(arrays[f"vertices{i}"], axis=0).max()) for i in range(len(told["names"])))
+    scene.studio(told["samples"], max(80.0, 30.0 * size))
     upright = Matrix.Rotation(np.radians(told["turn"]), 4, "Z") @ UPRIGHT[told["up"]]
     items = []
     edge = 0.0
