@@ -37,11 +37,11 @@ the least size of a map were chosen while looking at the pairs of contacts, face
 Preset `paper` hangs on the size of the mesh, which nu, w_C and e4 are tied to. Samba is run at 2,500 vertices: with
 4,000 and q = 0 all but two maps become one cluster, and the error is 21.5. Contacts with own features work at 4,000
 (6.2); at 2,500, 5,000 and 7,000 about half or more of what the chosen cluster maps is false, since either too few
-features or too few maps are left. Of the clouds the clean one ends right, and of the cat
-a sixth is false. Which cluster is chosen decides there: the intra-cluster affinity is taken over a cluster's size. Over
-its square, as it was before, the cat ended at 9.3 with a third false (six maps, one of them right, beat 18 right ones),
-and the range scan of the open mouth at 4.4 on 69 % of it; now that scan ends at 3.0, but its cluster is that of neck and
-back, 30 % of the whole, and leaves out the face. Everything else is the same with both.
+features or too few maps are left. Of the clouds the clean one ends right, and
+of the cat a sixth is false. Which cluster is chosen decides there: the intra-cluster affinity is taken over a cluster's
+size. Over its square, as it was before, the cat ended at 9.3 with a third false (six maps, one of them right, beat 18
+right ones), and the range scan of the open mouth at 4.4 on 69 % of it; now that scan ends at 3.0, but its cluster is
+that of neck and back, 30 % of the whole, and leaves out the face. Everything else is the same with both.
 
 The cloud with noise, outliers and four holes (pc_faust_033_037) fails because its features do not recur. A tenth of
 the vertices of S lie on a boundary, where isocontours end. Of the pairs of features that lie within 3 e0 of true
