@@ -108,7 +108,7 @@ def take(
     for item in (before, after):
         stand(item, SCAN_TURN if "upright" in item else 0.0)
     size = float(np.ptp(scene.world_points([donor, before]), axis=0).max())
-    scene.studio(samples, max(80.0, 30.0 * size))
+    scene.studio(samples, size)
     bare = before.data.materials[0].name if before.data.materials else None
 
     checker = scene.checker_material("Checker", 48.0)

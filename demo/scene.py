@@ -90,8 +90,8 @@ def world_points(items: list[bpy.types.Object]) -> Array:
     return np.concatenate(found)
 
 
-def studio(samples: int, reach: float = 80.0) -> None:
-    """Ground as far as `reach` from the middle, sky, key and fill light, and Cycles on the processor."""
+def studio(samples: int, size: float = 0.0) -> None:
+    """Ground for things of up to `size`, sky, key and fill light, and Cycles on the processor."""
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
     scene.cycles.device = "CPU"
@@ -110,7 +110,7 @@ def studio(samples: int, reach: float = 80.0) -> None:
     sky = scene.world.node_tree.nodes["Background"]
     sky.inputs["Color"].default_value = (0.80, 0.88, 1.0, 1.0)
     sky.inputs["Strength"].default_value = 0.55
-    corners = reach * np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)])
+    corners = max(80.0, 30.0 * size) * np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)])
     ground = add_mesh("Ground", corners, [(0, 1, 2, 3)])
     ground.data.materials.append(plain_material("Ground", BACKDROP, 1.0))
     for name, energy, soft, direction in (

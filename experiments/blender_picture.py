@@ -38,7 +38,7 @@ def main() -> None:
     told = json.loads(str(arrays["told"]))
     scene.clear()
     size = max(float(np.ptp(arrays[f"vertices{i}"], axis=0).max()) for i in range(len(told["names"])))
-    scene.studio(told["samples"], max(80.0, 30.0 * size))
+    scene.studio(told["samples"], size)
     upright = Matrix.Rotation(np.radians(told["turn"]), 4, "Z") @ UPRIGHT[told["up"]]
     items = []
     edge = 0.0

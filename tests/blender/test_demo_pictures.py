@@ -22,7 +22,7 @@ def test_camera_and_captions_fit_the_unit(unit: float) -> None:
     corners = unit * np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0.2, 0.2, 1)], float)
     faces = [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)]
     items = [scene.add_mesh("low", corners, faces), scene.add_mesh("high", corners + unit * np.array((2, 0, 0)), faces)]
-    scene.studio(1, max(80.0, 30.0 * unit))
+    scene.studio(1, unit)
     scene.frame(items, 52.0, 17.0, 300, below=0.16)
     captions = [scene.caption(text, item, 0.05 * unit) for text, item in zip(("a", "b"), items, strict=True)]
     scene.level(captions)

@@ -18,7 +18,6 @@ constexpr double same_place = 0.25;
 }  // namespace
 
 void Anchors::measure_source(Anchor& anchor, Window& window) const {
-    const TriangleMesh& mesh = pair_.source.mesh;
     const Samples& samples = pair_.source.samples;
     anchor.source_distance.assign(samples.count(), unreached);
     anchor.source_sight.assign(samples.count(), Sight::none);
@@ -26,11 +25,8 @@ void Anchors::measure_source(Anchor& anchor, Window& window) const {
     for (int s = 0; s < samples.count(); ++s) {
         const auto polar = window.query(samples.point[s]);
         if (!polar) continue;
-        const auto& corners = mesh.face[samples.point[s].face];
-        const auto bent =
-            std::count_if(corners.begin(), corners.end(), [&](int v) { return window.has(v) && window.bent(v); });
         anchor.source_distance[s] = static_cast<float>(polar->distance);
-        anchor.source_sight[s] = bent >= 2 ? Sight::bent : Sight::straight;
+        anchor.source_sight[s] = window.bent_at(samples.point[s]) ? Sight::bent : Sight::straight;
     }
 }
 

@@ -65,12 +65,8 @@ std::vector<std::vector<double>> Completion::claims(const std::vector<int>& vaca
     std::vector<char> inside(target.count(), 0);
     for (const int t : vacant) inside[t] = 1;
     const auto lands = [&](const PartialMap& map) {
-        int count = 0;
-        for (std::size_t s = 0; s < map.mapped.size(); ++s) {
-            if (!map.mapped[s]) continue;
-            const int home = target.nearest(pair_.target.mesh, map.image[s]);
-            count += home >= 0 && inside[home] ? 1 : 0;
-        }
+        const std::vector<int> homes = homes_of(map, pair_.target);
+        const auto count = std::count_if(homes.begin(), homes.end(), [&](int t) { return t >= 0 && inside[t] != 0; });
         return 2 * count > std::min<int>(map.count, static_cast<int>(vacant.size()));
     };
     std::vector<std::size_t> index;

@@ -40,14 +40,15 @@ struct Ground {
     std::vector<int> part;
 };
 
-/// \param score what the map is worth.
-std::vector<Ground> grounds(const Completion& completion, const Pair& pair, double score) {
+std::vector<Ground> grounds(Completion& completion, const Pair& pair) {
     std::vector<Ground> result;
     for (std::vector<int>& part : vacant_parts(pair, completion.map(), least_vacancy)) {
         result.push_back({true, std::move(part)});
     }
-    if (score > beyond_dispute) return result;
-    for (std::vector<int>& part : completion.disputed_parts(least_dispute)) result.push_back({false, std::move(part)});
+    std::vector<std::vector<int>> disputed = completion.disputed_parts(least_dispute);
+    // What the map is worth costs more to tell than what is disputed.
+    if (disputed.empty() || choice_score(completion.quality()) > beyond_dispute) return result;
+    for (std::vector<int>& part : disputed) result.push_back({false, std::move(part)});
     return result;
 }
 
@@ -55,11 +56,10 @@ std::vector<Ground> grounds(const Completion& completion, const Pair& pair, doub
 
 std::unique_ptr<Completion> contest(std::unique_ptr<Completion> completion, const Pair& pair,
                                     const PatchSettings& settings, Piece progress) {
-    double best = choice_score(completion->quality());
-    std::vector<Ground> open = grounds(*completion, pair, best);
+    std::vector<Ground> open = grounds(*completion, pair);
     if (open.empty()) return completion;
     completion->be_exclusive();
-    best = choice_score(completion->quality());
+    double best = choice_score(completion->quality());
     std::vector<Ground> settled;
     int failures = 0;
     bool changed = false;
@@ -94,7 +94,7 @@ std::unique_ptr<Completion> contest(std::unique_ptr<Completion> completion, cons
         changed = true;
         best = *winner;
         completion = std::move(tries[winner - scores.begin()]);
-        open = grounds(*completion, pair, best);
+        open = grounds(*completion, pair);
         // What failed against the old map may fit the new one.
         settled.clear();
     }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <vector>
 
 #include "blend/vacancy.h"
@@ -80,11 +81,6 @@ bool along_boundary(const std::vector<int>& pocket, const SampledMesh& source) {
     return 4 * open > static_cast<std::ptrdiff_t>(pocket.size());
 }
 
-bool bent_at(const Window& window, const TriangleMesh& mesh, const SurfacePoint& point) {
-    const auto& corners = mesh.face[point.face];
-    return std::count_if(corners.begin(), corners.end(), [&](int v) { return window.has(v) && window.bent(v); }) >= 2;
-}
-
 std::vector<Anchor> measure(const std::vector<int>& samples, const std::vector<int>& pocket, const PartialMap& map,
                             const Pair& pair, Window& on_source, Window& on_target, Monitor& monitor) {
     const SampledMesh& source = pair.source;
@@ -99,7 +95,7 @@ std::vector<Anchor> measure(const std::vector<int>& samples, const std::vector<i
         for (std::size_t i = 0; i < pocket.size(); ++i) {
             const SurfacePoint& point = source.samples.point[pocket[i]];
             const auto polar = on_source.query(point);
-            if (!polar || bent_at(on_source, source.mesh, point)) continue;
+            if (!polar || on_source.bent_at(point)) continue;
             anchor.on_source[i] = static_cast<float>(polar->distance);
             longest = std::max(longest, anchor.on_source[i]);
         }
@@ -113,30 +109,34 @@ std::vector<Anchor> measure(const std::vector<int>& samples, const std::vector<i
     return anchors;
 }
 
-std::vector<int> free_vertices(const PartialMap& map, const Pair& pair) {
+// Vertices of T that may still be taken: all at first, then those on which none of `samples` lies.
+std::vector<int> free_vertices(const SampledMesh& target) {
+    std::vector<int> result;
+    for (int v = 0; v < target.mesh.vertex_count(); ++v) {
+        if (target.samples.owner[v] >= 0) result.push_back(v);
+    }
+    return result;
+}
+
+void take(const std::vector<int>& samples, const PartialMap& map, const Pair& pair, std::vector<int>& free) {
     const SampledMesh& target = pair.target;
     std::vector<std::vector<int>> cell(target.samples.count());
-    for (int s = 0; s < pair.source.samples.count(); ++s) {
-        if (!map.mapped[s]) continue;
+    for (const int s : samples) {
         const int home = target.samples.nearest(target.mesh, map.image[s]);
         if (home >= 0) cell[home].push_back(s);
     }
     const double limit = taken * pair.source.samples.spacing;
-    std::vector<int> result;
-    for (int v = 0; v < target.mesh.vertex_count(); ++v) {
-        const int home = target.samples.owner[v];
-        if (home < 0) continue;
+    const auto covered = [&](int v) {
         const auto covers = [&](int c) {
             return std::any_of(cell[c].begin(), cell[c].end(),
                                [&](int s) { return (map.position[s] - target.mesh.position[v]).norm() < limit; });
         };
-        bool covered = covers(home);
-        for (const int e : target.samples.base_edges_of[home]) {
-            covered = covered || covers(target.samples.edges[e].other(home));
-        }
-        if (!covered) result.push_back(v);
-    }
-    return result;
+        const int home = target.samples.owner[v];
+        const auto& around = target.samples.base_edges_of[home];
+        return covers(home) || std::any_of(around.begin(), around.end(),
+                                           [&](int e) { return covers(target.samples.edges[e].other(home)); });
+    };
+    free.erase(std::remove_if(free.begin(), free.end(), covered), free.end());
 }
 
 struct Fit {
@@ -219,10 +219,15 @@ int fill_pockets(PartialMap& map, const Pair& pair, Monitor& monitor) {
     const Samples& source = pair.source.samples;
     const TriangleMesh& target = pair.target.mesh;
     if (map.count == 0) return 0;
-    double total = 0.0;
-    for (const double a : source.area) total += a;
+    const double total = std::accumulate(source.area.begin(), source.area.end(), 0.0);
     std::vector<char> open(source.count());
-    for (int s = 0; s < source.count(); ++s) open[s] = map.mapped[s] ? 0 : 1;
+    std::vector<int> mapped;
+    for (int s = 0; s < source.count(); ++s) {
+        open[s] = map.mapped[s] ? 0 : 1;
+        if (map.mapped[s]) mapped.push_back(s);
+    }
+    std::vector<int> free = free_vertices(pair.target);
+    take(mapped, map, pair, free);
     Window on_source(pair.source.mesh);
     Window on_target(target);
     int count = 0;
@@ -233,7 +238,6 @@ int fill_pockets(PartialMap& map, const Pair& pair, Monitor& monitor) {
         const std::vector<int> around = anchor_samples(source, map, pocket);
         if (around.size() < fewest_anchors) continue;
         const std::vector<Anchor> anchors = measure(around, pocket, map, pair, on_source, on_target, monitor);
-        const std::vector<int> free = free_vertices(map, pair);
         std::vector<int> added;
         for (std::size_t i = 0; i < pocket.size(); ++i) {
             const Fit fit = best_fit(i, anchors, free, source.spacing);
@@ -243,6 +247,7 @@ int fill_pockets(PartialMap& map, const Pair& pair, Monitor& monitor) {
         }
         drop_strays(map, source, added);
         for (const int s : added) map.rotation[s] = turn_of(s, map.image[s], map, pair);
+        take(added, map, pair, free);
         count += static_cast<int>(added.size());
     }
     return count;

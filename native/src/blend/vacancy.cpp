@@ -63,9 +63,7 @@ std::vector<std::vector<int>> parts_by_area(const Samples& samples, std::vector<
 std::vector<std::vector<int>> vacant_parts(const Pair& pair, const PartialMap& map, double least) {
     const Samples& target = pair.target.samples;
     std::vector<char> covered(target.count(), 0);
-    for (std::size_t s = 0; s < map.mapped.size(); ++s) {
-        if (!map.mapped[s]) continue;
-        const int home = target.nearest(pair.target.mesh, map.image[s]);
+    for (const int home : homes_of(map, pair.target)) {
         if (home >= 0) covered[home] = 1;
     }
     // The two samplings are not the same: even where a map is whole, not every sample of T is nearest to an image.
@@ -104,10 +102,8 @@ std::vector<char> doubled(const Pair& pair, const PartialMap& map, const std::ve
     const Samples& source = pair.source.samples;
     const Samples& target = pair.target.samples;
     std::vector<std::vector<int>> cell(target.count());
-    std::vector<int> home(source.count(), -1);
+    const std::vector<int> home = homes_of(map, pair.target);
     for (int s = 0; s < source.count(); ++s) {
-        if (!map.mapped[s]) continue;
-        home[s] = target.nearest(pair.target.mesh, map.image[s]);
         if (home[s] >= 0) cell[home[s]].push_back(s);
     }
     std::vector<std::vector<int>> rivals(source.count());

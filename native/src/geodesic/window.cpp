@@ -147,6 +147,11 @@ void Window::run(const SurfacePoint& centre, double radius) {
     }
 }
 
+bool Window::bent_at(const SurfacePoint& point) const {
+    const auto& corners = mesh_->face[point.face];
+    return std::count_if(corners.begin(), corners.end(), [&](int v) { return has(v) && bent(v); }) >= 2;
+}
+
 std::optional<Polar> Window::query(const SurfacePoint& point) const {
     const Complex x = planar(*mesh_, point);
     if (point.face == centre_.face) {

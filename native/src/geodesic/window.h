@@ -41,6 +41,9 @@ class Window {
     /// The path to the vertex bends at a boundary: the distance may be a detour around something that is missing.
     [[nodiscard]] bool bent(int vertex) const { return bent_[vertex] != 0; }
 
+    /// The same of a surface point: of the corners of its triangle two or more that were reached.
+    [[nodiscard]] bool bent_at(const SurfacePoint& point) const;
+
     /// Polar coordinates of a surface point; nothing where the window did not reach its triangle.
     [[nodiscard]] std::optional<Polar> query(const SurfacePoint& point) const;
 

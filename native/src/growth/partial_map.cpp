@@ -41,6 +41,14 @@ Overlap overlap_of(const PartialMap& a, const PartialMap& b, double radius) {
     return result;
 }
 
+std::vector<int> homes_of(const PartialMap& map, const SampledMesh& target) {
+    std::vector<int> homes(map.mapped.size(), -1);
+    for (std::size_t s = 0; s < homes.size(); ++s) {
+        if (map.mapped[s]) homes[s] = target.samples.nearest(target.mesh, map.image[s]);
+    }
+    return homes;
+}
+
 void measure_seed_distance(const Samples& source, PartialMap& map) {
     std::fill(map.seed_distance.begin(), map.seed_distance.end(), far_away);
     using Item = std::pair<float, int>;

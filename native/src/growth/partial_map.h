@@ -37,6 +37,10 @@ struct Overlap {
 /// \param radius images nearer than this are in one place.
 Overlap overlap_of(const PartialMap& a, const PartialMap& b, double radius);
 
+/// Per sample of S the sample of T nearest to its image, see Samples::nearest(); -1 where it is unmapped or none is
+/// near.
+std::vector<int> homes_of(const PartialMap& map, const SampledMesh& target);
+
 /// Recompute `seed_distance` from `map.seed` over the mapped samples.
 void measure_seed_distance(const Samples& source, PartialMap& map);
 

@@ -158,6 +158,7 @@ std::vector<Choice> possible_settings(const std::vector<const Side*>& sources, c
             choices.push_back(side);
         }
     }
+    note(report, "scale", watch.lap(), 0);
     return choices;
 }
 
