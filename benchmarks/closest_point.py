@@ -28,6 +28,8 @@ def closest_points(points: Floats, vertices: Floats, faces: npt.NDArray[np.integ
     face = np.full(len(points), -1, np.int64)
     weights = np.zeros((len(points), 3))
     square = np.full(len(points), np.inf)
+    if not len(points):
+        return face, weights, square
     sequence = np.argsort(_morton(points), kind="stable")
     for start in range(0, len(points), _BATCH):
         rows = sequence[start : start + _BATCH]

@@ -57,7 +57,8 @@ def main() -> None:
     # The ground is for things that stand on it; flat ones are seen from above.
     scene.frame(items, 0.0, told["elevation"], told["pixels"], below=0.16)
     heights = np.ptp(scene.world_points(items), axis=0)
-    size = 0.05 * float(max(heights[2], 0.35 * heights[0] / len(items)))
+    # Of a row of flat things the width decides whether captions can be read.
+    size = float(max(0.05 * heights[2], 0.018 * heights[0]))
     scene.level([scene.caption(name, item, size) for name, item in zip(told["names"], items, strict=True)])
     bpy.context.scene.render.image_settings.file_format = "JPEG"
     bpy.context.scene.render.image_settings.quality = 82

@@ -46,10 +46,16 @@ class Experiment:
     #: Which direction is up in the pictures, and the turn about it in degrees.
     up: str = "y"
     turn: float = 0.0
+    #: Pairs that are shown otherwise: direction and turn.
+    other_views: dict[str, tuple[str, float]] = field(default_factory=dict)
 
     def limit(self, pair: str) -> int:
         """Vertices of the largest mesh that preset paper works on."""
         return self.other_vertices.get(pair, self.vertices)
+
+    def view(self, pair: str) -> tuple[str, float]:
+        """Which direction of a pair is up in its picture, and the turn about it in degrees."""
+        return self.other_views.get(pair, (self.up, self.turn))
 
 
 def _planes(_data: Path) -> list[Pair]:
@@ -186,6 +192,7 @@ EXPERIMENTS = [
         _of_data("pc_faust_020_025", "pc_cat0_cat5", "pc_faust_033_037"),
         {**NOISY, "paper_threshold": 1.0},
         other_vertices={"pc_faust_020_025": 10000},
+        other_views={"pc_cat0_cat5": ("z", 90.0)},
     ),
     Experiment(
         "symmetric",

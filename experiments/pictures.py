@@ -40,10 +40,11 @@ def checker_picture(experiment: Experiment, pair: Pair, methods: list[str], fold
         else:
             colours = carried_colours(source, fine, found)
         arrays |= {f"vertices{i}": fine, f"faces{i}": cut, f"colours{i}": colours}
+    up, turn = experiment.view(pair.name)
     told = {
         "names": [name for name, _, _ in shown],
-        "up": experiment.up,
-        "turn": experiment.turn,
+        "up": up,
+        "turn": turn,
         "elevation": 40.0 if experiment.name == "planes" else 8.0,
         "pixels": 1000,
         "samples": 12,

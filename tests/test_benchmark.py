@@ -325,6 +325,11 @@ def test_closest_points_are_no_farther_than_any_other_point_of_the_mesh():
     assert (nearest - distance).max() < longest / 12.0
 
 
+def test_closest_points_of_no_points_are_none():
+    face, weights, distance = closest_points(np.zeros((0, 3)), np.eye(3), np.array([[0, 1, 2]]))
+    assert (len(face), weights.shape, len(distance)) == (0, (0, 3), 0)
+
+
 def test_pyfm_maps_from_source_to_target():
     pytest.importorskip("pyFM", reason="scripts/benchmark --peers installs it")
     whole = surfaces.blob(3)

@@ -267,14 +267,17 @@ Match match_by_paper(const Surface& source, const Surface& target, const MatchOp
             "shape, "
             "try preset default, or give landmarks");
         clusters.members.emplace_back();
+        clusters.affinity.push_back(0.0);
     }
     lap("clustering", 0);
 
-    const double best_area = covered(levels.samples, floods.maps, clusters.members.front());
-    report.maps_in_core = static_cast<int>(clusters.members.front().size());
-    for (std::size_t c = 0; c < clusters.members.size(); ++c) {
+    std::vector<double> area;
+    for (const auto& members : clusters.members) area.push_back(covered(levels.samples, floods.maps, members));
+    const std::vector<int> order = by_affinity_and_area(clusters, area);
+    report.maps_in_core = static_cast<int>(clusters.members[order.front()].size());
+    for (const int c : order) {
         const std::vector<int>& members = clusters.members[c];
-        if (c > 0 && covered(levels.samples, floods.maps, members) < worthy_alternative * best_area) continue;
+        if (area[c] < worthy_alternative * area[order.front()]) continue;
         if (static_cast<int>(result.correspondences.size()) > most_alternatives) break;
         std::vector<const PartialMap*> maps;
         for (const int m : members) maps.push_back(&floods.maps[m]);

@@ -13,7 +13,10 @@ namespace isograft {
 
 namespace {
 
-constexpr int rounds = 4;
+constexpr int rounds = 3;
+// In e0: a step that is not worth another look, and one that is none.
+constexpr double near_enough = 1.0;
+constexpr double no_step = 0.01;
 
 struct Vote {
     const PartialMap* map;
@@ -26,30 +29,22 @@ class Centroid {
 
     /// The centre of the images of vertex `s`, its rotation, and how far the images lie from it.
     void find(int s, const std::vector<Vote>& votes, SurfacePoint& point, Complex& rotation, double& spread) {
-        const Vote* surest = &votes.front();
-        for (const Vote& v : votes) {
-            if (v.weight > surest->weight) surest = &v;
-        }
-        point = surest->map->image[s];
-        rotation = surest->map->rotation[s];
+        const PartialMap& start = *most_central(s, votes).map;
+        point = start.image[s];
+        rotation = start.rotation[s];
         spread = 0.0;
         if (votes.size() == 1) return;
         for (int round = 0; round < rounds; ++round) {
             look(s, votes, point);
-            Complex mean(0.0, 0.0);
-            double total = 0.0;
-            for (std::size_t i = 0; i < votes.size(); ++i) {
-                if (!seen_[i]) continue;
-                mean += votes[i].weight * way_[i];
-                total += votes[i].weight;
-            }
-            mean /= total;
-            if (std::abs(mean) < 1e-6 * e0_) break;
-            const Trace t = trace(target_, point, mean, std::abs(mean));
-            rotation *= t.direction * std::conj(unit(mean));
+            const Complex step = median(votes);
+            const double length = std::abs(step);
+            for (Complex& way : way_) way -= step;
+            if (length < no_step * e0_) break;
+            const Trace t = trace(target_, point, step, length);
+            rotation *= t.direction * std::conj(unit(step));
             point = t.end;
+            if (length < near_enough * e0_) break;
         }
-        look(s, votes, point);
         Complex turn(0.0, 0.0);
         double total = 0.0;
         for (std::size_t i = 0; i < votes.size(); ++i) {
@@ -67,6 +62,45 @@ class Centroid {
     }
 
   private:
+    // Of the images themselves the one with the least sum of eq. 10, straight through space.
+    static const Vote& most_central(int s, const std::vector<Vote>& votes) {
+        const Vote* best = nullptr;
+        double least = std::numeric_limits<double>::infinity();
+        for (const Vote& v : votes) {
+            double sum = 0.0;
+            for (const Vote& other : votes) {
+                sum += other.weight * (other.map->position[s] - v.map->position[s]).norm();
+            }
+            if (sum >= least) continue;
+            least = sum;
+            best = &v;
+        }
+        return *best;
+    }
+
+    // Where eq. 10 is least in the tangent plane, by Weiszfeld's iteration from the mean.
+    [[nodiscard]] Complex median(const std::vector<Vote>& votes) const {
+        constexpr int most = 60;
+        const double tolerance = 1e-3 * e0_;
+        Complex centre(0.0, 0.0);
+        for (int i = 0; i <= most; ++i) {
+            Complex sum(0.0, 0.0);
+            double total = 0.0;
+            for (std::size_t k = 0; k < votes.size(); ++k) {
+                if (!seen_[k]) continue;
+                const double weight = votes[k].weight / (i > 0 ? std::max(std::abs(way_[k] - centre), tolerance) : 1.0);
+                sum += weight * way_[k];
+                total += weight;
+            }
+            if (total <= 0.0) break;
+            const Complex next = sum / total;
+            const bool done = i > 0 && std::abs(next - centre) < 0.1 * tolerance;
+            centre = next;
+            if (done) break;
+        }
+        return centre;
+    }
+
     // The logarithm of every image at `centre`: straight where all are near, else from a window.
     void look(int s, const std::vector<Vote>& votes, const SurfacePoint& centre) {
         const Eigen::Vector3d x = position(target_, centre);

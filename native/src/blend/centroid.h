@@ -17,12 +17,12 @@ struct MergedMap {
     std::vector<double> spread;
 };
 
-/// Eq. 10: every source vertex in the union of the maps' domains goes to the weighted centroid of its images, the
-/// weights exp(-d / decay) with d the way from the map's seed.
+/// Eq. 10: every source vertex in the union of the maps' domains goes where the weighted sum of the distances to its
+/// images is least, the weights exp(-d / decay) with d the way from the map's seed.
 ///
-/// The centroid is the Riemannian centre of mass (as the paper says of eq. 10): started at the image of the largest
-/// weight and moved along the mean of the logarithms of the others, which come from a window where images lie apart.
-/// Images that no path reaches do not count.
+/// A sum of distances, as printed: the geometric median, though the paper's text calls it the Riemannian centre of
+/// mass. It starts at the image nearest to all others and moves along the median of the logarithms, which come from a
+/// window where images lie apart. Images that no path reaches do not count.
 /// \param decay in mesh units; paper: 5 e1. \return equal bit for bit for any number of threads.
 MergedMap merge_by_centroid(const VertexLevels& source, const TriangleMesh& target,
                             const std::vector<const PartialMap*>& maps, double decay, int threads, Monitor& monitor,

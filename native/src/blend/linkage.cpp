@@ -117,4 +117,14 @@ Clusters graph_degree_linkage(const Eigen::MatrixXd& distance, const LinkageOpti
     return clusters;
 }
 
+std::vector<int> by_affinity_and_area(const Clusters& clusters, const std::vector<double>& area) {
+    std::vector<int> order(area.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+        return std::make_pair(clusters.affinity[a] * area[a], area[a]) >
+               std::make_pair(clusters.affinity[b] * area[b], area[b]);
+    });
+    return order;
+}
+
 }  // namespace isograft

@@ -40,4 +40,11 @@ double affinity(const Eigen::MatrixXd& weight, const std::vector<int>& a, const 
 /// is above the threshold. O(items^2) per join over the clusters' blocks.
 Clusters graph_degree_linkage(const Eigen::MatrixXd& distance, const LinkageOptions& options);
 
+/// The clusters by affinity times area, the largest first; where that is equal the larger area, then the lower index.
+///
+/// Images of a small region are never far apart, so by the affinity alone maps of one part of a surface would win over
+/// maps of the whole. The paper takes the affinity and says that its cluster most often covers the largest area.
+/// \param area per cluster what its maps cover together, >= 0.
+std::vector<int> by_affinity_and_area(const Clusters& clusters, const std::vector<double>& area);
+
 }  // namespace isograft

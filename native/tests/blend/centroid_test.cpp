@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "blend/centroid.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -64,19 +65,48 @@ TEST(Centroid, OfEqualMapsIsTheMap) {
     }
 }
 
-TEST(Centroid, LiesBetweenTwoImagesAsTheirWeightsSay) {
+TEST(Centroid, IsWhereTheWeightedDistancesAreLeast) {
     const Plane plane;
     // Near images go the straight way, those farther apart through a window.
     for (const double apart : {1.0, 8.0}) {
-        const double decay = 10.0 * plane.levels.samples.spacing;
-        const PartialMap a = plane.map({0.0, 0.0, 0.0}, all, 0.0F);
-        const PartialMap b = plane.map({apart, 0.0, 0.0}, all, static_cast<float>(decay * std::log(3.0)));
-        const MergedMap merged = plane.merge({&a, &b});
+        const PartialMap a = plane.map({0.0, 0.0, 0.0}, all);
+        const PartialMap b = plane.map({apart, 0.0, 0.0}, all);
+        const PartialMap c = plane.map({0.0, apart, 0.0}, all);
+        const MergedMap merged = plane.merge({&a, &b, &c});
+        // Of the corners of half a square the point that sees all sides under 120 degrees.
+        const double x = apart * (3.0 - std::sqrt(3.0)) / 6.0;
         for (int v = 0; v < plane.mesh.vertex_count(); ++v) {
-            if (!b.mapped[v] || plane.mesh.position[v].x() < 1.0 || plane.mesh.position[v].x() + apart > 19.0) continue;
-            const Eigen::Vector3d expected = plane.mesh.position[v] + Eigen::Vector3d(0.25 * apart, 0.0, 0.0);
+            const Eigen::Vector3d& at = plane.mesh.position[v];
+            if (std::min(at.x(), at.y()) < 1.0 || std::max(at.x(), at.y()) + apart > 19.0) {
+                continue;
+            }
+            const Eigen::Vector3d expected = at + Eigen::Vector3d(x, x, 0.0);
             EXPECT_LT((merged.map.position[v] - expected).norm(), 0.02 * apart) << "vertex " << v;
         }
+    }
+}
+
+TEST(Centroid, IsTheImageThatWeighsMoreThanAllOthers) {
+    const Plane plane;
+    const double decay = 10.0 * plane.levels.samples.spacing;
+    const PartialMap a = plane.map({0.0, 0.0, 0.0}, all, 0.0F);
+    const PartialMap b = plane.map({6.0, 0.0, 0.0}, all, static_cast<float>(decay * std::log(3.0)));
+    const MergedMap merged = plane.merge({&b, &a});
+    for (int v = 0; v < plane.mesh.vertex_count(); ++v) {
+        EXPECT_LT((merged.map.position[v] - plane.mesh.position[v]).norm(), 0.02) << "vertex " << v;
+    }
+}
+
+TEST(Centroid, StaysWithMostImagesHoweverFarTheOthersAre) {
+    const Plane plane;
+    std::vector<PartialMap> maps;
+    for (const double shift : {0.0, 0.2, 0.4, 12.0}) maps.push_back(plane.map({shift, 0.0, 0.0}, all));
+    const MergedMap merged = plane.merge({&maps[0], &maps[1], &maps[2], &maps[3]});
+    for (int v = 0; v < plane.mesh.vertex_count(); ++v) {
+        if (!maps[3].mapped[v]) continue;
+        const double off = merged.map.position[v].x() - plane.mesh.position[v].x();
+        EXPECT_GT(off, 0.15) << "vertex " << v;
+        EXPECT_LT(off, 0.45) << "vertex " << v;
     }
 }
 

@@ -75,6 +75,12 @@ TEST(GraphDegreeLinkage, PutsALargeGroupBeforeASmallOneThatIsNoTighter) {
     EXPECT_EQ(clusters.members[0].size(), 18U);
 }
 
+TEST(GraphDegreeLinkage, ClustersOfAPartComeAfterThoseOfTheWholeUnlessTheyAreMuchTighter) {
+    const Clusters clusters{{{0, 1}, {2, 3}, {4}, {5}}, {4.0, 3.0, 0.0, 0.0}};
+    EXPECT_EQ(by_affinity_and_area(clusters, {1.0, 2.0, 1.0, 2.0}), (std::vector<int>{1, 0, 3, 2}));
+    EXPECT_EQ(by_affinity_and_area(clusters, {2.0, 2.0, 1.0, 1.0}), (std::vector<int>{0, 1, 2, 3}));
+}
+
 TEST(GraphDegreeLinkage, WithThresholdZeroJoinsAllThatIsConnected) {
     Eigen::MatrixXd distance = groups({3, 4}, 0.1, 0.5);
     EXPECT_EQ(graph_degree_linkage(distance, {20, 0.0}).members.size(), 1U);
