@@ -138,6 +138,9 @@ def kinds(vertices: int, size: int, threads: int) -> dict[str, Callable[[Watch],
         "fill edges": lambda watch: transfer.fill_edge(
             receiver.vertices, edges["own"], edge_values, edges_known, progress=watch
         ),
+        "fill faces": lambda watch: transfer.fill_face(
+            *meshes[:2], np.arange(len(receiver.faces)), known[receiver.faces].all(axis=1), progress=watch
+        ),
         "wrap": lambda watch: transfer.wrap(partial, *meshes, threads=threads, progress=watch),
     }  # fmt: skip
 

@@ -107,6 +107,18 @@ def test_faces_take_the_value_of_the_nearest_known_face():
         transfer.fill_face(vertices, faces, names, known)
 
 
+def test_filling_of_faces_tells_how_far_it_is_and_stops_when_asked_to():
+    vertices, faces, _ = cylinder(90, 60)
+    known = np.zeros(len(faces), bool)
+    known[0] = True
+    told = []
+    transfer.fill_face(vertices, faces, np.zeros(len(faces)), known, progress=lambda *step: told.append(step))
+    fractions = [fraction for _, fraction in told]
+    assert fractions == sorted(fractions) and fractions[-1] == 1.0
+    with pytest.raises(isograft.Cancelled):
+        transfer.fill_face(vertices, faces, np.zeros(len(faces)), known, progress=lambda *_: False)
+
+
 def test_filling_refuses_what_does_not_fit():
     vertices, faces, uv = flat(3)
     known = np.ones(len(vertices), bool)

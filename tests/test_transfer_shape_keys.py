@@ -72,6 +72,33 @@ def test_keys_follow_a_limb_into_its_pose():
     np.testing.assert_allclose(moved.values[:, far], turned[:, far], rtol=0, atol=1e-6)
 
 
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_what_another_shape_in_the_same_pose_has_of_its_own_does_not_turn_the_keys(seed):
+    """Two persons: every point moved at random and smoothly, in all directions alike, and no part turned."""
+    vertices, faces, _ = torus(60, 24)
+    random = np.random.default_rng(seed)
+    other = vertices.copy()
+    for _ in range(6):
+        wave, phase, along = random.normal(size=3), random.uniform(0, 6), random.normal(size=3)
+        other += 0.08 * np.sin(vertices @ wave + phase)[:, None] * along
+    keys = np.stack([normals(vertices, faces), np.tile([0.0, 0.0, 1.0], (len(vertices), 1))])
+    errors = []
+    for smoothing in (None, 2):
+        arguments = identity_map(vertices, faces), other, faces, vertices, faces
+        assert transfer.local_frames(*arguments, smoothing=smoothing).one_pose == (smoothing is None)
+        moved = transfer.transfer_shape_keys(*arguments, keys, smoothing=smoothing, scale=1.0)
+        errors.append(np.linalg.norm(moved.values - keys, axis=2).mean())
+    assert errors[0] < 0.6 * errors[1]
+
+
+def test_where_a_limb_turns_frames_are_those_of_a_few_edges():
+    vertices, faces, _ = cylinder(40, 24)
+    arguments = identity_map(vertices, faces), bent(vertices, 0.8), faces, vertices, faces
+    chosen, few = transfer.local_frames(*arguments), transfer.local_frames(*arguments, smoothing=2)
+    assert not chosen.one_pose
+    np.testing.assert_array_equal(chosen.rotation, few.rotation)
+
+
 def test_unmatched_vertices_do_not_move_and_types_are_kept():
     vertices, faces, _ = torus(14, 9)
     correspondence = identity_map(vertices, faces)

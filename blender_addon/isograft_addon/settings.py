@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, fields
 from fnmatch import fnmatchcase
 from typing import Any, Self, TypeVar
 
-from .bridge import RefusedError
+from .bridge import RefusedError, attribute_names
 
 Item = TypeVar("Item")
 
@@ -42,7 +42,7 @@ class Settings(OfProperties):
     hook_armature: bool = False
     key_names: str = ""
     key_scale: str = "GLOBAL"
-    key_smoothing: int = 2
+    key_smoothing: int = -1
     copy_drivers: bool = True
 
 
@@ -73,6 +73,11 @@ class Names:
     def __init__(self, taken: Iterable[str], overwrite: bool) -> None:
         self._taken = set(taken)
         self._overwrite = overwrite
+
+    @classmethod
+    def of_layers(cls, mesh: Any, overwrite: bool) -> Self:
+        """Those of UV maps and attributes, which share one space of names."""
+        return cls({layer.name for layer in mesh.uv_layers} | attribute_names(mesh), overwrite)
 
     def claim(self, name: str) -> str:
         """A free name in Blender's manner, or `name` itself if it may be overwritten; it is then taken."""

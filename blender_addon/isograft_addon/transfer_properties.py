@@ -190,11 +190,11 @@ def _key_settings(default: Settings) -> dict[str, Any]:
         "key_smoothing": bpy.props.IntProperty(
             name="Key Smoothing",
             description=(
-                "Edges around a vertex over which the turning of its displacements is measured; more for two different "
-                "characters, few for two poses of one"
+                "Edges around a vertex over which the turning of its displacements is measured; -1 chooses: a wide "
+                "surrounding for two shapes in one pose, such as two faces, else 2"
             ),
             default=default.key_smoothing,
-            min=0,
+            min=-1,
             max=100,
             soft_max=32,
         ),

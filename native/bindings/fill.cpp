@@ -31,18 +31,16 @@ void bind_fill(py::module_& m) {
         py::arg("vertices"), py::arg("faces"), py::arg("values"), py::arg("known"), py::arg("progress"));
     m.def(
         "nearest_known",
-        [](const DoubleArray& vertices, const IntArray& faces, const BoolArray& known) {
+        [](const DoubleArray& vertices, const IntArray& faces, const BoolArray& known, const py::object& progress) {
             const Points points = to_points(vertices, "vertices");
             const Triangles triangles = to_triangles(faces, "faces");
             const Mask mask = to_known(known);
             Eigen::VectorXi source;
-            {
-                const py::gil_scoped_release released;
-                source = nearest_known(points, triangles, mask);
-            }
+            run_with_progress(progress,
+                              [&](Monitor& monitor) { source = nearest_known(points, triangles, mask, &monitor); });
             return to_numpy(source);
         },
-        py::arg("vertices"), py::arg("faces"), py::arg("known"));
+        py::arg("vertices"), py::arg("faces"), py::arg("known"), py::arg("progress"));
     m.def(
         "corner_groups",
         [](const IntArray& faces, const DoubleArray& values, double tolerance, const DoubleArray& vertices) {

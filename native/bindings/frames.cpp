@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "isograft/frames.h"
 
+#include <optional>
+
+#include <pybind11/stl.h>
+
 #include "transfer_arrays.h"
 
 void bind_frames(py::module_& m) {
@@ -10,7 +14,7 @@ void bind_frames(py::module_& m) {
         "local_frames",
         [](const IntArray& face, const DoubleArray& barycentric, const IntArray& vertex,
            const DoubleArray& receiver_vertices, const IntArray& receiver_faces, const DoubleArray& donor_vertices,
-           const IntArray& donor_faces, int smoothing, int threads, const py::object& progress) {
+           const IntArray& donor_faces, std::optional<int> smoothing, int threads, const py::object& progress) {
             const Correspondence correspondence = to_correspondence(face, barycentric, vertex);
             const Points own = to_points(receiver_vertices, "receiver_vertices");
             const Points other = to_points(donor_vertices, "donor_vertices");
@@ -23,7 +27,7 @@ void bind_frames(py::module_& m) {
                                       {smoothing, threads}, &monitor);
             });
             return py::make_tuple(to_numpy(frames.rotation), to_numpy(frames.scale), frames.median_scale,
-                                  to_mask(frames.mask));
+                                  to_mask(frames.mask), frames.one_pose);
         },
         py::arg("face"), py::arg("barycentric"), py::arg("vertex"), py::arg("receiver_vertices"),
         py::arg("receiver_faces"), py::arg("donor_vertices"), py::arg("donor_faces"), py::arg("smoothing"),

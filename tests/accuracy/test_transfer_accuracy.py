@@ -30,7 +30,7 @@ if not DATA.is_dir():
 
 
 def test_face_expressions_arrive_on_another_persons_face():
-    """In this data an expression moves every person's vertices alike: the truth, but for how the shapes differ."""
+    """In this data an expression moves every person's vertices alike: the truth, but for how the heads are held."""
     person, other = (read_mesh(DATA / f"faces/ict_{name}_neutral.obj") for name in ("s101", "s102"))
     keys = np.stack(
         [read_mesh(DATA / f"faces/ict_s101_{name}.obj").vertices - person.vertices for name in ("smile", "jawopen")]
@@ -41,7 +41,8 @@ def test_face_expressions_arrive_on_another_persons_face():
     )
     assert moved.mask.all()
     off = np.linalg.norm(moved.values - keys, axis=2).mean(axis=1) / np.linalg.norm(keys, axis=2).mean(axis=1)
-    assert (off < 0.25).all()
+    # The two heads lie 8 degrees off each other by the best rigid fit, 0.1 of any key.
+    assert (off < 0.15).all()
     # On a face that is only turned and scaled there is no such difference.
     turned = transfer.transfer_shape_keys(
         correspondence, 0.01 * person.vertices @ TURN.T, person.faces, person.vertices, person.faces, keys
@@ -60,8 +61,8 @@ def test_an_expression_arrives_on_another_expression_of_the_face(name):
     moved = transfer.transfer_shape_keys(correspondence, receiver, new_faces, neutral.vertices, faces, key[None])
     assert moved.mask.all()
     off = np.linalg.norm(moved.values[0] - truth, axis=1).mean() / np.linalg.norm(truth, axis=1).mean()
-    # An open jaw turns the lower lip, and with it the smile there: the sum of the data does not.
-    assert off < (0.2 if name == "jawopen" else 0.4)
+    # An open jaw turns the lower face, and with it the smile there: the sum of the data does not.
+    assert off < (0.05 if name == "jawopen" else 0.2)
 
 
 @pytest.mark.parametrize(("donor_name", "pose_name"), PAIRS, ids=[pose for _, pose in PAIRS])

@@ -33,6 +33,9 @@ class Attributes(Kind):
         """The chosen attributes, and the vertices of the donor's edges."""
         with donor.mesh() as mesh:
             layers = bridge.read_attributes(mesh)
+        if not settings.attribute_names:
+            # Seams come with UV maps, closed and where the receiver's islands part; these only if they are named.
+            layers = [layer for layer in layers if layer.name != bridge.SEAMS]
         name = donor.obj.name
         if not layers:
             raise RefusedError(f"{name} has no attribute of yours; make one first, or leave attributes out")
@@ -79,7 +82,7 @@ class Attributes(Kind):
         )
         result = moved.values
         if self.settings.fill:
-            result, filled = fill_faces(pair, result, moved.mask)
+            result, filled = fill_faces(pair, result, moved.mask, self.hold)
             self.filled |= filled
         return result
 

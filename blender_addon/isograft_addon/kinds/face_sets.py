@@ -58,7 +58,7 @@ class FaceSets(Kind):
         )
         self._sets = np.where(moved.mask, moved.values, self._sets)
         if self.settings.fill:
-            self._sets, self.filled = fill_faces(pair, self._sets, moved.mask)
+            self._sets, self.filled = fill_faces(pair, self._sets, moved.mask, self.hold)
 
     def write(self) -> None:
         """The face sets."""

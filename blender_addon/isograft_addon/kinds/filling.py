@@ -31,12 +31,12 @@ def fill_normals(pair: Pair, values: Array, known: Array, progress: Progress) ->
     return _corners(transfer.fill_normals, pair, values, known, progress)
 
 
-def fill_faces(pair: Pair, values: Array, known: Array) -> tuple[Array, Array]:
+def fill_faces(pair: Pair, values: Array, known: Array, progress: Progress) -> tuple[Array, Array]:
     """Values (p, ...) with those of the nearest known faces (p,), and the vertices (n,) that were filled."""
     if known.all() or not known.any():
         return values, np.zeros(len(pair.own.vertices), dtype=bool)
     completed, filled = transfer.fill_face(
-        pair.own.vertices, pair.own.triangles, values, known, polygons=pair.own.polygons
+        pair.own.vertices, pair.own.triangles, values, known, polygons=pair.own.polygons, progress=progress
     )
     return completed, marks(pair, known[pair.own.polygons], filled[pair.own.polygons])
 

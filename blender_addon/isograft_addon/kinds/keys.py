@@ -97,7 +97,7 @@ class Keys(Kind):
             pair.given.triangles,
             displacements,
             scale=settings.key_scale.lower(),
-            smoothing=settings.key_smoothing,
+            smoothing=None if settings.key_smoothing < 0 else settings.key_smoothing,
             progress=self.step(),
         )
         values, rows = np.asarray(moved.values), np.asarray(moved.mask)

@@ -8,6 +8,7 @@ import numpy as np
 
 from .. import bridge
 from ..bridge import Array, RefusedError
+from ..job import Progress
 from ..pairing import Donor, Pair
 from ..settings import Names, Settings
 from .base import Kind
@@ -51,7 +52,7 @@ class Slots:
         """True if the receiver gets a material."""
         return bool(self.names)
 
-    def assign(self, polygons: Array) -> Array:
+    def assign(self, polygons: Array, progress: Progress) -> Array:
         """Give the donor's materials to the receiver's polygons of the mask `polygons`.
 
         A face takes the material of the donor's face under its first corner, one that is to have a material though it
@@ -75,7 +76,7 @@ class Slots:
         self.names = self.given_names
         known = polygons.copy()
         known[polygons] = face >= 0
-        completed, filled = fill_faces(pair, self.index, known)
+        completed, filled = fill_faces(pair, self.index, known, progress)
         self.index[polygons] = completed[polygons]
         return filled
 
@@ -105,9 +106,9 @@ class Materials(Kind):
         pair = self.pair
         whole = pair.whole_polygons(pair.matched[pair.own.triangles].all(axis=1))
         if self.settings.fill:
-            self.filled |= self._slots.assign(np.ones_like(whole))
+            self.filled |= self._slots.assign(np.ones_like(whole), self.hold)
         else:
-            self._slots.assign(whole)
+            self._slots.assign(whole, self.hold)
 
     def write(self) -> None:
         """Slots and faces."""

@@ -56,7 +56,7 @@ class UVMaps(Kind):
                 self._seams = self._edges(uv, mask)
             self._moved.append(CornerLayer(name, "CORNER", "UV", pair.to_loops(uv, mask), layer.is_render))
         if self._slots is not None:
-            self._slots.assign(self._has_uv)
+            self._slots.assign(self._has_uv, self.hold)
         if not self._has_uv.all():
             count = int(np.count_nonzero(~self._has_uv))
             text = f"{pair.name}: {count:,} of {len(self._has_uv):,} faces are unmatched; their UVs are 0"

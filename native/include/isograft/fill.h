@@ -21,9 +21,11 @@ TransferredValues fill_smooth(const Points& vertices, const Triangles& faces, co
                               const Mask& known, Monitor* monitor = nullptr);
 
 /// The nearest known vertex along the edges, for values that have no mean.
+/// O(#F log #F). \param monitor may be null.
 /// \return #V: known vertices themselves; -1 where no path leads to one. Of equally near ones the lowest.
-/// \throw InvalidInput on sizes or indices that do not fit.
-Eigen::VectorXi nearest_known(const Points& vertices, const Triangles& faces, const Mask& known);
+/// \throw InvalidInput on sizes or indices that do not fit; Cancelled.
+Eigen::VectorXi nearest_known(const Points& vertices, const Triangles& faces, const Mask& known,
+                              Monitor* monitor = nullptr);
 
 /// Which corners at a vertex are joined by edges across which a corner attribute does not jump.
 /// \param values 3 #F by k. \param vertices as in uv_islands().

@@ -196,10 +196,10 @@ def local_frames(
     receiver_faces: npt.NDArray[np.int32],
     donor_vertices: npt.NDArray[np.float64],
     donor_faces: npt.NDArray[np.int32],
-    smoothing: int,
+    smoothing: int | None,
     threads: int,
     progress: Callable[[str, float], Any] | None,
-) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], float, npt.NDArray[np.bool_]]: ...
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], float, npt.NDArray[np.bool_], bool]: ...
 def bake(
     face: npt.NDArray[np.int32],
     barycentric: npt.NDArray[np.float64],
@@ -238,7 +238,10 @@ def fill_smooth(
     progress: Callable[[str, float], Any] | None,
 ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.bool_]]: ...
 def nearest_known(
-    vertices: npt.NDArray[np.float64], faces: npt.NDArray[np.int32], known: npt.NDArray[np.bool_]
+    vertices: npt.NDArray[np.float64],
+    faces: npt.NDArray[np.int32],
+    known: npt.NDArray[np.bool_],
+    progress: Callable[[str, float], Any] | None,
 ) -> npt.NDArray[np.int32]: ...
 def corner_groups(
     faces: npt.NDArray[np.int32],

@@ -2,20 +2,19 @@
 #include "isograft/fill.h"
 
 #include <algorithm>
-#include <functional>
 #include <limits>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
 #include <Eigen/SparseCholesky>
 
 #include "isograft/errors.h"
 #include "transfer/checks.h"
 #include "transfer/laplacian.h"
+#include "transfer/moments.h"
 #include "transfer/seams.h"
+#include "transfer/vertex_graph.h"
 
 namespace isograft {
 
@@ -96,10 +95,7 @@ class RigidEnergy {
             each(v, [&](int other, double weight) {
                 product += weight * (rest_.row(v) - rest_.row(other)).transpose() * (placed.row(v) - placed.row(other));
             });
-            const Eigen::JacobiSVD<Matrix3d> svd(product, Eigen::ComputeFullU | Eigen::ComputeFullV);
-            Matrix3d flip = Matrix3d::Identity();
-            if ((svd.matrixV() * svd.matrixU().transpose()).determinant() < 0.0) flip(2, 2) = -1.0;
-            rotation[v] = svd.matrixV() * flip * svd.matrixU().transpose();
+            rotation[v] = rotation_of(product);
         }
         return rotation;
     }
@@ -139,49 +135,19 @@ TransferredValues fill_smooth(const Points& vertices, const Triangles& faces, co
     return filled;
 }
 
-Eigen::VectorXi nearest_known(const Points& vertices, const Triangles& faces, const Mask& known) {
+Eigen::VectorXi nearest_known(const Points& vertices, const Triangles& faces, const Mask& known, Monitor* monitor) {
     check(vertices, faces, CornerValues(vertices.rows(), 0), known);
-    const auto count = static_cast<std::size_t>(vertices.rows());
-    std::vector<std::size_t> first(count + 1, 0);
-    for (Eigen::Index f = 0; f < faces.rows(); ++f) {
-        for (int c = 0; c < 3; ++c) first[faces(f, c) + 1] += 2;
-    }
-    for (std::size_t v = 0; v < count; ++v) first[v + 1] += first[v];
-    std::vector<std::size_t> next(first.begin(), first.end() - 1);
-    std::vector<int> neighbour(first[count]);
-    for (Eigen::Index f = 0; f < faces.rows(); ++f) {
-        for (int c = 0; c < 3; ++c) {
-            neighbour[next[faces(f, c)]++] = faces(f, (c + 1) % 3);
-            neighbour[next[faces(f, c)]++] = faces(f, (c + 2) % 3);
-        }
-    }
-    Eigen::VectorXi source = Eigen::VectorXi::Constant(vertices.rows(), -1);
-    std::vector<double> length(count, std::numeric_limits<double>::infinity());
-    using Entry = std::pair<double, std::pair<int, int>>;  // length, (source, vertex): equal lengths by the lowest
-    std::vector<Entry> heap;
+    Monitor silent;
+    Monitor& watched = monitor != nullptr ? *monitor : silent;
+    watched.report("fill", 0.0);
+    std::vector<int> sources;
     for (int v = 0; v < known.rows(); ++v) {
-        if (!known[v]) continue;
-        length[v] = 0.0;
-        source[v] = v;
-        heap.push_back({0.0, {v, v}});
+        if (known[v]) sources.push_back(v);
     }
-    std::make_heap(heap.begin(), heap.end(), std::greater<>());
-    while (!heap.empty()) {
-        std::pop_heap(heap.begin(), heap.end(), std::greater<>());
-        const auto [done, from] = heap.back();
-        heap.pop_back();
-        const auto [origin, v] = from;
-        if (done > length[v] || source[v] != origin) continue;
-        for (std::size_t i = first[v]; i < first[v + 1]; ++i) {
-            const int w = neighbour[i];
-            const double longer = done + (vertices.row(v) - vertices.row(w)).norm();
-            if (longer > length[w] || (longer == length[w] && source[w] <= origin)) continue;
-            length[w] = longer;
-            source[w] = origin;
-            heap.push_back({longer, {origin, w}});
-            std::push_heap(heap.begin(), heap.end(), std::greater<>());
-        }
-    }
+    const VertexGraph graph(vertices, faces);
+    watched.report("fill", 0.1);
+    Eigen::VectorXi source = graph.nearest(sources, watched, 0.9);
+    watched.report("fill", 1.0);
     return source;
 }
 

@@ -4,17 +4,19 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
 
 #include "base/parallel.h"
 #include "isograft/errors.h"
 #include "transfer/checks.h"
 #include "transfer/donor_view.h"
+#include "transfer/moments.h"
+#include "transfer/pose.h"
 #include "transfer/receiver_images.h"
 
 namespace isograft {
@@ -26,19 +28,13 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr int vertices_a_task = 1024;
-
-// Sums over the edges around a vertex: of donor vectors times receiver vectors, and of squared lengths.
-struct Moments {
-    Matrix3d product = Matrix3d::Zero();
-    double receiver = 0.0;
-    double donor = 0.0;
-
-    void add(const Moments& other) {
-        product += other.product;
-        receiver += other.receiver;
-        donor += other.donor;
-    }
-};
+// Edges around a vertex that are summed where limbs may turn.
+constexpr int few = 2;
+// In one pose, fingers or a tail may still be turned: where the frames of this many edges more differ from the wide
+// ones by the first angle they begin to take their place, from the second on they have it. Radians.
+constexpr int few_more = 6;
+constexpr double begins = 0.5;
+constexpr double ends = 1.0;
 
 // The triangles that count, and both shapes of each.
 class Fit {
@@ -91,24 +87,27 @@ class Fit {
         return wider;
     }
 
+    [[nodiscard]] Triangles faces() const { return receiver_.faces(used_, Eigen::all); }
+
   private:
     const ReceiverMesh& receiver_;
     const ReceiverImages& images_;
     std::vector<int> used_;
 };
 
-Matrix3d rotation_of(const Matrix3d& product) {
-    const Eigen::JacobiSVD<Matrix3d> svd(product, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    Matrix3d flip = Matrix3d::Identity();
-    if ((svd.matrixV() * svd.matrixU().transpose()).determinant() < 0.0) flip(2, 2) = -1.0;
-    return svd.matrixV() * flip * svd.matrixU().transpose();
+Matrix3d turned_here(const Moments& near, const Moments& middle, const Moments& wide) {
+    Matrix3d rotation = rotation_of(wide.product);
+    const double angle = Eigen::AngleAxisd(rotation.transpose() * rotation_of(middle.product)).angle();
+    const double t = std::clamp((angle - begins) / (ends - begins), 0.0, 1.0), share = t * t * (3.0 - 2.0 * t);
+    if (share == 0.0) return rotation;
+    return rotation_of(share * near.product.normalized() + (1.0 - share) * wide.product.normalized());
 }
 
 }  // namespace
 
 void FrameOptions::validate() const {
-    if (smoothing < 0 || smoothing > 100) {
-        throw InvalidInput("smoothing must be from 0 to 100, got " + std::to_string(smoothing));
+    if (smoothing && (*smoothing < 0 || *smoothing > 100)) {
+        throw InvalidInput("smoothing must be from 0 to 100, got " + std::to_string(*smoothing));
     }
     if (threads < 0) throw InvalidInput("threads must be >= 0, got " + std::to_string(threads));
 }
@@ -128,10 +127,17 @@ LocalFrames local_frames(const Correspondence& correspondence, const ReceiverMes
     const ReceiverImages images(correspondence, alone, view);
     const Fit fit(alone, images);
     std::vector<Moments> moments = fit.moments(watched);
-    for (int i = 0; i < options.smoothing; ++i) {
-        watched.check();
-        moments = fit.spread(moments);
-    }
+    std::optional<std::vector<Moments>> wide;
+    if (!options.smoothing) wide = fit_in_one_pose(receiver.vertices, fit.faces(), moments, watched);
+    const auto widen = [&](int times) {
+        for (int i = 0; i < times; ++i) {
+            watched.check();
+            moments = fit.spread(moments);
+        }
+    };
+    widen(options.smoothing.value_or(few));
+    const std::vector<Moments> near = moments;
+    if (wide) widen(few_more);
 
     const int count = static_cast<int>(moments.size());
     LocalFrames frames;
@@ -139,13 +145,15 @@ LocalFrames local_frames(const Correspondence& correspondence, const ReceiverMes
     frames.scale = Eigen::VectorXd::Zero(count);
     frames.mask = Mask::Constant(count, false);
     frames.median_scale = images.stretch > 0.0 ? 1.0 / images.stretch : 0.0;
+    frames.one_pose = wide.has_value();
     const auto task = [&](int index, int /*worker*/) {
         const int end = std::min(count, (index + 1) * vertices_a_task);
         for (int v = index * vertices_a_task; v < end; ++v) {
-            if (images.images[v].face < 0 || !(moments[v].receiver > 0.0 && moments[v].donor > 0.0)) continue;
-            const Matrix3d rotation = rotation_of(moments[v].product);
+            if (images.images[v].face < 0 || !near[v].usable()) continue;
+            const Matrix3d rotation =
+                wide ? turned_here(near[v], moments[v], (*wide)[v]) : rotation_of(near[v].product);
             Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(frames.rotation.row(v).data()) = rotation;
-            frames.scale[v] = std::sqrt(moments[v].receiver / moments[v].donor);
+            frames.scale[v] = std::sqrt(near[v].receiver / near[v].donor);
             frames.mask[v] = true;
         }
     };

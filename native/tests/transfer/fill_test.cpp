@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "isograft/fill.h"
 
+#include <algorithm>
 #include <limits>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -53,6 +56,23 @@ TEST(NearestKnown, GoesAlongTheSurface) {
     const Eigen::VectorXi source = nearest_known(two.vertices, two.faces, known);
     EXPECT_TRUE((source.head(25).array() == 0).all());
     EXPECT_TRUE((source.tail(25).array() == -1).all());
+}
+
+TEST(NearestKnown, TellsHowFarItIsAndStopsWhenCancelled) {
+    const shapes::Shape shape = shapes::sphere(5);
+    Mask known = Mask::Constant(shape.vertices.rows(), false);
+    known[0] = true;
+    std::vector<double> told;
+    Monitor listening([&](const std::string&, double fraction) {
+        told.push_back(fraction);
+        return true;
+    });
+    nearest_known(shape.vertices, shape.faces, known, &listening);
+    EXPECT_EQ(told.front(), 0.0);
+    EXPECT_EQ(told.back(), 1.0);
+    EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
+    Monitor refusing([](const std::string&, double fraction) { return fraction < 0.05; });
+    EXPECT_THROW(nearest_known(shape.vertices, shape.faces, known, &refusing), Cancelled);
 }
 
 TEST(CompleteRigid, BringsARemovedPartBackUnderARigidMotion) {

@@ -66,7 +66,7 @@ def fill_point(
         columns, filled = _native.fill_smooth(points, triangles, value_columns(data), mask, progress)
         columns[filled] = np.clip(columns[filled], low, high) if (low, high) != (None, None) else columns[filled]
         return Filled(as_type(columns, data, len(data)), filled)
-    source = _native.nearest_known(points, triangles, mask)
+    source = _native.nearest_known(points, triangles, mask, progress)
     filled = (source >= 0) & ~mask
     result = data.copy()
     result[filled] = data[source[filled]]
@@ -128,7 +128,13 @@ def fill_corner(
 
 
 def fill_face(
-    vertices: Any, faces: Any, values: npt.ArrayLike, known: npt.ArrayLike, *, polygons: Any = None
+    vertices: Any,
+    faces: Any,
+    values: npt.ArrayLike,
+    known: npt.ArrayLike,
+    *,
+    polygons: Any = None,
+    progress: Progress | None = None,
 ) -> Filled:
     """Fill values per face, such as material indices, with that of the nearest known face along the edges.
 
@@ -138,6 +144,7 @@ def fill_face(
         values: (P,) or (P, ...), one row per polygon, without polygons per triangle; of any type.
         known: (P,) True where the values are known; those do not change.
         polygons: (F,) polygon of every triangle; None: every triangle is a face.
+        progress: called with (stage, fraction) now and then; returning False cancels.
 
     Returns:
         Values, and which faces were filled. Parts of the mesh without any known face stay as they are.
@@ -159,7 +166,7 @@ def fill_face(
     giver = np.full(len(points), count)
     sure = mask[owner]
     np.minimum.at(giver, triangles[sure].ravel(), np.repeat(owner[sure], 3))
-    source = _native.nearest_known(points, triangles, giver < count)
+    source = _native.nearest_known(points, triangles, giver < count, progress)
     nearest = np.where(source >= 0, giver[source], count)[triangles]
     away = np.linalg.norm(points[triangles] - points[source[triangles]], axis=2)
     corner = np.where(nearest < count, away, np.inf).argmin(axis=1)

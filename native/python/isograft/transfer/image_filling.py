@@ -37,9 +37,11 @@ def fill_images(
     Returns:
         (F,) triangles that were filled.
     """
-    share = part_of(progress, 0.0, 0.5)
+    share = part_of(progress, 0.1, 0.5)
     sampled, sure = _at_vertices(faces, layout, known, images, mask, len(vertices))
-    paintable = np.asarray(_native.nearest_known(vertices, faces, sure) >= 0) if sure.any() else sure
+    paintable = sure
+    if sure.any():
+        paintable = np.asarray(_native.nearest_known(vertices, faces, sure, part_of(progress, 0.0, 0.1)) >= 0)
     columns = []
     for index, (image, values) in enumerate(zip(images, sampled, strict=True)):
         completed = values

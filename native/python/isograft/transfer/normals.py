@@ -78,7 +78,14 @@ def transfer_normals(
         part_of(progress, 0.0, 0.5),
     )
     frames = local_frames(
-        correspondence, vertices, faces, donor, other_faces, threads=threads, progress=part_of(progress, 0.5, 1.0)
+        correspondence,
+        vertices,
+        faces,
+        donor,
+        other_faces,
+        smoothing=2,
+        threads=threads,
+        progress=part_of(progress, 0.5, 1.0),
     )
     mask = mask & frames.mask[faces].all(axis=1)
     corners = np.flatnonzero(np.repeat(mask, 3))

@@ -30,11 +30,13 @@ class LocalFrames(NamedTuple):
     rotation: npt.NDArray[np.float64]
     """(n, 3, 3): rotation @ donor vector = receiver vector; 0 where there is none."""
     scale: npt.NDArray[np.float64]
-    """(n,) receiver units per donor unit around the vertex; 0 where there is none."""
+    """(n,) receiver units per donor unit in the few edges around the vertex; 0 where there is none."""
     median_scale: float
     """Median of that over all edges."""
     mask: npt.NDArray[np.bool_]
     """(n,) True where matched, with a neighbour that is."""
+    one_pose: bool
+    """Whether the two were found in one pose, and rotations so fitted over a wide surrounding; see `smoothing`."""
 
 
 def local_frames(
@@ -44,7 +46,7 @@ def local_frames(
     donor_vertices: Any,
     donor_faces: Any,
     *,
-    smoothing: int = 2,
+    smoothing: int | None = None,
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> LocalFrames:
@@ -57,14 +59,16 @@ def local_frames(
         donor_vertices: (m, 3).
         donor_faces: (G, 3), the triangles that `correspondence.face` counts.
         smoothing: neighbours of neighbours that a frame is fitted to. More is calmer on a noisy map and blurs the
-            turning at joints by as many edges.
+            turning at joints by as many edges. None: two shapes in one pose, such as the faces of two persons, have
+            rotations fitted over about a third of the root of the receiver's area, so that what one shape has of its
+            own turns nothing; others over 2.
         threads: None takes all cores. The result does not depend on it.
         progress: called with (stage, fraction) now and then; returning False cancels.
 
     Raises:
         InvalidInput: arrays that do not fit each other.
     """
-    rotation, scale, median_scale, mask = _native.local_frames(
+    rotation, scale, median_scale, mask, one_pose = _native.local_frames(
         *correspondence_arrays(correspondence),
         point_rows(receiver_vertices, "receiver_vertices"),
         triangle_rows(receiver_faces, "receiver_faces"),
@@ -74,7 +78,7 @@ def local_frames(
         threads or 0,
         progress,
     )
-    return LocalFrames(rotation.reshape(-1, 3, 3), scale, median_scale, mask)
+    return LocalFrames(rotation.reshape(-1, 3, 3), scale, median_scale, mask, one_pose)
 
 
 def transfer_shape_keys(
@@ -86,7 +90,7 @@ def transfer_shape_keys(
     donor_keys: npt.ArrayLike,
     *,
     scale: Scale = "global",
-    smoothing: int = 2,
+    smoothing: int | None = None,
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> TransferredValues:
