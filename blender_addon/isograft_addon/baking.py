@@ -201,7 +201,7 @@ def prepare(donor: Any, receivers: list[Any], context: bpy.types.Context, settin
 
 def _bake(pair: Pair, gift: channels.Gift, settings: BakeSettings) -> Bake:
     mesh = pair.receiver.data
-    names = Names({layer.name for layer in mesh.uv_layers} | bridge.attribute_names(mesh), settings.overwrite)
+    names = Names.of_layers(mesh, settings.overwrite)
     if settings.uv_source == "EXISTING":
         layers = bridge.read_uv_layers(mesh)
         if not layers:

@@ -218,8 +218,7 @@ def _read(donor: Any, receivers: list[Any], context: bpy.types.Context, settings
     gifts: dict[tuple[type[Kind], bool], Any] = {}
     grafts = []
     for pair in pairing.make(donor, receivers, context, settings.min_confidence):
-        mesh = pair.receiver.data
-        names = Names({layer.name for layer in mesh.uv_layers} | bridge.attribute_names(mesh), settings.overwrite)
+        names = Names.of_layers(pair.receiver.data, settings.overwrite)
         kinds = []
         for kind in chosen:
             key = kind, pair.donor.is_own

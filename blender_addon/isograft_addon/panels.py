@@ -79,12 +79,7 @@ class VIEW3D_PT_isograft_transfer(bpy.types.Panel):
                 for name in names:
                     if name != "mix_factor" or settings.mix_mode != "REPLACE" or settings.mix_factor != 1.0:
                         _setting(box, settings, name)
-        column = layout.column()
-        for name in ("min_confidence", "overwrite", "fill"):
-            _setting(column, settings, name)
-        row = layout.row()
-        row.scale_y = 1.4
-        properties.copy_settings(settings, row.operator("object.isograft_transfer", icon="PASTEDOWN"))
+        _finish(layout, settings, ("min_confidence", "overwrite", "fill"), "object.isograft_transfer", "PASTEDOWN")
 
 
 class VIEW3D_PT_isograft_bake(bpy.types.Panel):
@@ -99,16 +94,10 @@ class VIEW3D_PT_isograft_bake(bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         """The settings and the operator."""
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
-        settings = context.window_manager.isograft_bake
-        column = layout.column()
-        for name in ("uv_source", "uv_map", "size", "margin", "float_images", "fill", "min_confidence", "overwrite"):
-            _setting(column, settings, name)
-        row = layout.row()
-        row.scale_y = 1.4
-        properties.copy_settings(settings, row.operator("object.isograft_bake", icon="TEXTURE"))
+        names = ("uv_source", "uv_map", "size", "margin", "float_images", "fill", "min_confidence", "overwrite")
+        self.layout.use_property_split = True
+        self.layout.use_property_decorate = False
+        _finish(self.layout, context.window_manager.isograft_bake, names, "object.isograft_bake", "TEXTURE")
 
 
 class VIEW3D_PT_isograft_wrap(bpy.types.Panel):
@@ -123,16 +112,10 @@ class VIEW3D_PT_isograft_wrap(bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         """The settings and the operator."""
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
-        settings = context.window_manager.isograft_wrap
-        column = layout.column()
-        for name in ("method", "min_confidence"):
-            column.prop(settings, name)
-        row = layout.row()
-        row.scale_y = 1.4
-        properties.copy_settings(settings, row.operator("object.isograft_wrap", icon="MOD_SHRINKWRAP"))
+        names = ("method", "min_confidence")
+        self.layout.use_property_split = True
+        self.layout.use_property_decorate = False
+        _finish(self.layout, context.window_manager.isograft_wrap, names, "object.isograft_wrap", "MOD_SHRINKWRAP")
 
 
 _KIND_SETTINGS = (
@@ -147,6 +130,18 @@ _KIND_SETTINGS = (
     ("ATTRIBUTES", "Attributes", ("attribute_names",)),
 )
 """Settings shown while a kind is chosen."""
+
+
+def _finish(
+    layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup, names: tuple[str, ...], operator: str, icon: str
+) -> None:
+    """The settings of these names, and below them the operator that is run with all of `settings`."""
+    column = layout.column()
+    for name in names:
+        _setting(column, settings, name)
+    row = layout.row()
+    row.scale_y = 1.4
+    properties.copy_settings(settings, row.operator(operator, icon=icon))
 
 
 def _setting(layout: bpy.types.UILayout, settings: bpy.types.PropertyGroup, name: str) -> None:

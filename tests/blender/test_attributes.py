@@ -179,6 +179,25 @@ def test_creases_and_sharp_edges_arrive_and_own_ones_stay(matched: MatchedPair) 
     assert np.mean(edge_values(matched.receiver, "sharp_edge") == truth) > 0.95
 
 
+def test_seam_marks_arrive_if_they_are_named(matched: MatchedPair) -> None:
+    directions = with_twin(matched)
+    upper = directions[ends_of(matched.donor)].mean(axis=1)[:, 2] > 0
+    matched.donor.data.edges.foreach_set("use_seam", upper)
+    matched.donor.data.update()
+    select(matched.donor, matched.receiver)
+    with refused("Donor has no attribute of yours"):
+        bpy.ops.object.isograft_transfer(what={"ATTRIBUTES"})
+    graft(matched, "ATTRIBUTES", attribute_names="uv_seam")
+    names = {tuple(pair): row for row, pair in enumerate(np.sort(ends_of(matched.donor), axis=1).tolist())}
+    truth = upper[[names[tuple(pair)] for pair in np.sort(ends_of(matched.receiver), axis=1).tolist()]]
+    found = np.array([edge.use_seam for edge in matched.receiver.data.edges])
+    assert np.mean(found == truth) > 0.95
+    # Marks of its own are respected as any attribute is.
+    graft(matched, "ATTRIBUTES", attribute_names="uv_seam")
+    assert np.array_equal([edge.use_seam for edge in matched.receiver.data.edges], found)
+    assert np.array_equal(got(matched.receiver, "uv_seam.001"), found)
+
+
 def test_edge_attributes_follow_the_edges(matched: MatchedPair) -> None:
     directions = with_twin(matched)
     ends = ends_of(matched.donor)

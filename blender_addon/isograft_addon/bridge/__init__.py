@@ -5,6 +5,7 @@ Reading never changes an object. Writing only happens in the write_... functions
 """
 
 from .attributes import (
+    SEAMS,
     AttributeLayer,
     attribute_names,
     read_attribute,
@@ -53,6 +54,7 @@ __all__ = [
     "FIRST",
     "MAX_UV_LAYERS",
     "PROPERTY",
+    "SEAMS",
     "Array",
     "AttributeLayer",
     "CornerLayer",

@@ -39,10 +39,14 @@ _STORAGE: dict[str, tuple[str, Any, int]] = {
 _OWN_CARRIERS = {"position", "material_index", "sharp_face", "custom_normal", "id"}
 """Built-in attributes that are no user's data; what they hold has kinds of its own or follows from the shape."""
 
+SEAMS = "uv_seam"
+"""The name that the seam marks of edges go by; Blender hides theirs behind a property in all versions."""
+
 _EDGE_PROPERTIES = {
     "crease_edge": ("crease", "FLOAT"),
     "bevel_weight_edge": ("bevel_weight", "FLOAT"),
     "sharp_edge": ("use_edge_sharp", "BOOLEAN"),
+    SEAMS: ("use_seam", "BOOLEAN"),
 }
 """Values that edges have as properties in some versions of Blender, by the names of the attributes of others."""
 
