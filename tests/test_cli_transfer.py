@@ -7,6 +7,7 @@ import json
 import shutil
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -98,6 +99,22 @@ def test_polygons_stay_polygons_and_are_never_parted(folder: Path) -> None:
         assert set(written.polygons.sizes) == {4}
         uvs = written.corner_uvs.reshape(-1, 4, 2)
         assert np.ptp(uvs[..., 0], axis=1).max() < 1.3 / COARSE["cylinder"][1]
+
+
+def test_polygons_are_cut_along_the_seams_on_request_and_no_others(folder: Path, capsys: Any) -> None:
+    assert run(folder, "quads.obj", "--what", "uv,color", "--cut-seams", "--json", out="out.ply") == 0
+    receiver, written = (read_mesh(folder / name) for name in ("quads.obj", "out.ply"))
+    rows, columns = COARSE["cylinder"]
+    # The tube's one seam crosses a quad in every row, and the row's edges.
+    assert json.loads(capsys.readouterr().out)["polygons_cut"] == rows
+    assert sorted(set(written.polygons.sizes)) == [3, 4]
+    assert (written.polygons.sizes == 4).sum() == rows * (columns - 1)
+    np.testing.assert_allclose(written.vertices[: len(receiver.vertices)], receiver.vertices, rtol=0, atol=1e-6)
+    # New vertices lie on the seam: UVs go from one end of the square to the other, never beyond.
+    uvs = written.triangle_uvs
+    assert uvs.min() > -1e-4 and uvs.max() < 1 + 1e-4
+    assert len(written.colors) == len(written.vertices) > len(receiver.vertices)
+    assert run(folder, "quads.obj", "--what", "color", "--cut-seams") == 2
 
 
 def test_colours_are_interpolated_and_kept_in_either_format(folder: Path) -> None:

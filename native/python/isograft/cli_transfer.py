@@ -46,6 +46,12 @@ def add_transfer(commands: Any, epilog: str) -> None:
         "--inverse", action="store_true", help="MAP leads from TARGET to SOURCE: use it the other way round"
     )
     parser.add_argument(
+        "--cut-seams",
+        action="store_true",
+        help="with uv: cut polygons of SOURCE along the seams of TARGET, so that texture coordinates are exact on both "
+        "sides",
+    )
+    parser.add_argument(
         "--fill",
         action="store_true",
         help="continue smoothly into what is unmatched; .ply marks it (isograft_filled)",
@@ -78,6 +84,7 @@ def run_transfer(arguments: argparse.Namespace) -> int:
             source,
             target,
             what=what,
+            cut_seams=arguments.cut_seams,
             fill=arguments.fill,
             image=pixels,
             size=arguments.size,
@@ -146,6 +153,8 @@ def _check_meshes(arguments: argparse.Namespace, what: set[str], source: MeshFil
         raise BadInput(f"{arguments.target}: the donor has no texture coordinates to read an image with")
     if "texture" in what and "uv" not in what and source.corner_uvs is None:
         raise BadInput(f"{arguments.source}: the receiver has no texture coordinates to bake into; add uv to --what")
+    if arguments.cut_seams and "uv" not in what:
+        raise BadInput("--cut-seams cuts along the seams of texture coordinates; add uv to --what")
     for path, mesh in ((arguments.source, source), (arguments.target, target)):
         if not len(mesh.faces):
             raise BadInput(f"{path}: the file has no faces")

@@ -12,11 +12,21 @@ import numpy.typing as npt
 
 from isograft.correspondence import Correspondence
 from isograft.errors import InvalidInput
-from isograft.formats.mesh import MeshFile
+from isograft.formats.mesh import MeshFile, Polygons
 from isograft.formats.mesh_output import MeshOutput
 from isograft.progress import part_of
-from isograft.transfer import Channel, bake, fill_corner, fill_point, transfer_corner_uv, transfer_point, wrap
-from isograft.transfer.arrays import Array, Progress
+from isograft.transfer import (
+    Channel,
+    CutMesh,
+    bake,
+    cut_along_seams,
+    fill_corner,
+    fill_point,
+    transfer_corner_uv,
+    transfer_point,
+    wrap,
+)
+from isograft.transfer.arrays import Array, CorrespondenceArrays, Progress
 
 
 @dataclass(eq=False)
@@ -54,6 +64,7 @@ def graft(
     donor: MeshFile,
     *,
     what: set[str],
+    cut_seams: bool = False,
     fill: bool = False,
     image: Array | None = None,
     size: int = 1024,
@@ -63,37 +74,44 @@ def graft(
 ) -> Graft:
     """Move uv, color, texture, or the shape (alone). `image` is the donor's, for texture.
 
+    With `cut_seams` polygons of the receiver that the donor's seams cross are cut along them, into triangles.
+
     Raises:
         InvalidInput: the map does not fit, or the donor's data cannot be used.
     """
     if "shape" in what:
         return _shape(correspondence, receiver, donor, threads, progress)
+    counts: dict[str, int] = {}
+    placed: CorrespondenceArrays = correspondence
+    if cut_seams:
+        placed, receiver, counts["polygons_cut"] = _cut(
+            correspondence, receiver, donor, threads, part_of(progress, 0.0, 0.1)
+        )
+    progress = part_of(progress, 0.1, 1.0) if cut_seams else progress
     polygons = receiver.polygons
     mesh = MeshOutput(
         receiver.vertices, polygons.sizes, polygons.corners, colors=receiver.colors, corner_uvs=receiver.corner_uvs
     )
-    result = Graft(mesh)
+    result = Graft(mesh, counts=counts)
     filled = np.zeros(len(receiver.vertices), bool)
     triangle_uvs = receiver.triangle_uvs
     has_uvs: Array | None = None
     if "uv" in what:
-        triangle_uvs, has_uvs, made_up = _uvs(
-            correspondence, receiver, donor, fill, threads, part_of(progress, 0.0, 0.3)
-        )
+        triangle_uvs, has_uvs, made_up = _uvs(placed, receiver, donor, fill, threads, part_of(progress, 0.0, 0.2))
         filled[receiver.faces[made_up]] = True
         corner_uvs: Array = np.full((len(polygons.corners), 2), np.nan)
         corner_uvs[receiver.triangle_corners[has_uvs]] = triangle_uvs[has_uvs]
         mesh.corner_uvs = corner_uvs
         result.counts["polygons_with_uv"] = len(np.unique(receiver.triangle_polygon[has_uvs]))
     if "color" in what:
-        mesh.colors, made_up = _colors(correspondence, receiver, donor, fill)
+        mesh.colors, made_up = _colors(placed, receiver, donor, fill, part_of(progress, 0.2, 0.3))
         filled |= made_up
-        result.counts["vertices_coloured"] = int((correspondence.matched | made_up).sum())
+        result.counts["vertices_coloured"] = int(((placed.face >= 0) | made_up).sum())
     if "texture" in what and image is not None and triangle_uvs is not None:
         donor_uvs = _whole(donor, "read an image with")
         usable: Array = np.asarray(np.isfinite(triangle_uvs).all(axis=(1, 2))) if has_uvs is None else has_uvs
         baked = bake(
-            correspondence,
+            placed,
             receiver.vertices,
             receiver.faces,
             np.where(usable[:, None, None], triangle_uvs, 0.0),
@@ -134,8 +152,50 @@ def _whole(mesh: MeshFile, purpose: str) -> Array:
     return uvs
 
 
+def _cut(
+    correspondence: Correspondence, receiver: MeshFile, donor: MeshFile, threads: int | None, progress: Progress | None
+) -> tuple[CutMesh, MeshFile, int]:
+    """The map and the receiver with the polygons cut, whose number comes along; colours are cut along, UVs are not."""
+    cut = cut_along_seams(
+        correspondence,
+        receiver.vertices,
+        receiver.faces,
+        donor.vertices,
+        donor.faces,
+        _whole(donor, "cut along"),
+        threads=threads,
+        progress=progress,
+    )
+    old = receiver.polygons
+    is_cut = np.zeros(len(old.sizes), bool)
+    is_cut[receiver.triangle_polygon[np.bincount(cut.parent, minlength=len(receiver.faces)) > 1]] = True
+    polygon = receiver.triangle_polygon[cut.parent]
+    whole, pieces = ~is_cut[polygon], cut.faces[is_cut[polygon]]
+    kept = np.repeat(~is_cut, old.sizes)
+    number, corner = np.cumsum(~is_cut) - 1, np.cumsum(kept) - 1
+    at_end = kept.sum() + np.arange(3 * len(pieces)).reshape(-1, 3)
+    colors = old.colors
+    if colors is not None:
+        share = cut.fraction[:, None]
+        colors = np.concatenate([colors, (1 - share) * colors[cut.edges[:, 0]] + share * colors[cut.edges[:, 1]]])
+    mesh = MeshFile(
+        receiver.path,
+        cut.vertices,
+        np.concatenate([cut.faces[whole], pieces]),
+        np.concatenate([number[polygon[whole]], (~is_cut).sum() + np.arange(len(pieces))]).astype(np.int32),
+        np.concatenate([corner[receiver.triangle_corners[cut.parent[whole]]], at_end]).astype(np.int32),
+        Polygons(
+            cut.vertices,
+            np.concatenate([old.sizes[~is_cut], np.full(len(pieces), 3, old.sizes.dtype)]),
+            np.concatenate([old.corners[kept], pieces.ravel()]),
+            colors,
+        ),
+    )
+    return cut, mesh, int(is_cut.sum())
+
+
 def _uvs(
-    correspondence: Correspondence,
+    correspondence: CorrespondenceArrays,
     receiver: MeshFile,
     donor: MeshFile,
     fill: bool,
@@ -152,22 +212,24 @@ def _uvs(
         _whole(donor, "transfer"),
         receiver_polygons=receiver.triangle_polygon,
         threads=threads,
-        progress=progress,
+        progress=part_of(progress, 0.0, 0.8),
     )
     uvs, mask, made_up = moved.uv, moved.mask, np.zeros(len(receiver.faces), bool)
     if fill and not mask.all():
-        uvs, made_up = fill_corner(receiver.vertices, receiver.faces, uvs, mask)
+        uvs, made_up = fill_corner(receiver.vertices, receiver.faces, uvs, mask, progress=part_of(progress, 0.8, 1.0))
     return uvs.reshape(-1, 3, 2), mask | made_up, made_up
 
 
 def _colors(
-    correspondence: Correspondence, receiver: MeshFile, donor: MeshFile, fill: bool
+    correspondence: CorrespondenceArrays, receiver: MeshFile, donor: MeshFile, fill: bool, progress: Progress | None
 ) -> tuple[Array, npt.NDArray[np.bool_]]:
     moved = transfer_point(correspondence, donor.faces, donor.colors)
     colors: Array = np.where(moved.mask[:, None], moved.values, 0.0)
     made_up = np.zeros(len(colors), bool)
     if fill:
-        colors, made_up = fill_point(receiver.vertices, receiver.faces, colors, moved.mask, low=0.0, high=1.0)
+        colors, made_up = fill_point(
+            receiver.vertices, receiver.faces, colors, moved.mask, low=0.0, high=1.0, progress=progress
+        )
     own = receiver.colors
     if own is not None and own.shape[1] == colors.shape[1]:
         left = ~(moved.mask | made_up)
