@@ -130,12 +130,17 @@ class Album:
         pictures.remove(items)
 
     def keys(self) -> None:
-        """A shape key that swells the chest, at 0 and at 1; filled, so that the rims of the scan's holes go along."""
+        """A shape key that swells the chest, at 0 and at 1; filled, so that the rims of the scan's holes go along.
+
+        Not the spines on its back: the scan has none of their tips.
+        """
         mesh = self.donor.data
         points, normals = (np.array([tuple(getattr(v, name)) for v in mesh.vertices]) for name in ("co", "normal"))
         names = list(self.donor.vertex_groups.keys())
         chest = creature.read_weights(self.donor, names)[:, names.index(SWOLLEN)]
         size = np.ptp(points, axis=0).max()
+        low, high = np.percentile(points[chest > 0.5, 2], (10, 90))
+        chest = chest * np.clip(1.5 - 2.0 * (points[:, 2] - low) / (high - low), 0.0, 1.0)
         self.donor.shape_key_add(name="Basis", from_mix=False)
         key = self.donor.shape_key_add(name="Swell", from_mix=False)
         shape = points + 0.06 * size * chest[:, None] * normals
