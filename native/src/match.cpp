@@ -315,6 +315,7 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
         SampleNotes notes;
         RelaxSettings still;
         still.iterations = 0;
+        still.threads = options.threads;
         notes.stretch = relax(pair.source.samples, pair.target.mesh, options.growth, still, map);
         notes.region = continuous_parts(map, pair);
         for (const double doubt : answers[i].risk) notes.confidence.push_back(confidence_of(doubt));

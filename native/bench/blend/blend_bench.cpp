@@ -14,7 +14,8 @@ void anchors(benchmark::State& state) {
     const PartialMap map = twins.true_map(twins.all_samples());
     Monitor monitor;
     for (auto _ : state) {
-        Anchors fresh(twins.pair());
+        DistanceFields fields(twins.pair());
+        Anchors fresh(fields);
         benchmark::DoNotOptimize(fresh.place(map, 14, monitor));
     }
 }

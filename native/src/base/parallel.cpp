@@ -35,15 +35,12 @@ struct Failure {
     }
 };
 
-}  // namespace
-
-void parallel_for(int count, int threads, const std::function<void(int index, int worker)>& task, Monitor& monitor,
-                  const char* stage, double from, double to) {
-    monitor.report(stage, from);
+// Every task adds `part` to the progress.
+void run(int count, int threads, const std::function<void(int index, int worker)>& task, Monitor& monitor,
+         double part) {
     std::atomic<int> next{0};
     std::atomic<bool> stop{false};
     Failure failure;
-    const double part = (to - from) / std::max(1, count);
     const auto work = [&](int worker) {
         while (!stop.load(std::memory_order_relaxed)) {
             const int i = next.fetch_add(1, std::memory_order_relaxed);
@@ -87,7 +84,19 @@ void parallel_for(int count, int threads, const std::function<void(int index, in
     }
     for (auto& helper : helpers) helper.join();
     if (failure.exception) std::rethrow_exception(failure.exception);
+}
+
+}  // namespace
+
+void parallel_for(int count, int threads, const std::function<void(int index, int worker)>& task, Monitor& monitor,
+                  const char* stage, double from, double to) {
+    monitor.report(stage, from);
+    run(count, threads, task, monitor, (to - from) / std::max(1, count));
     monitor.report(stage, to);
+}
+
+void parallel_for(int count, int threads, const std::function<void(int index, int worker)>& task, Monitor& monitor) {
+    run(count, threads, task, monitor, 0.0);
 }
 
 }  // namespace isograft

@@ -20,4 +20,7 @@ int worker_count(int requested);
 void parallel_for(int count, int threads, const std::function<void(int index, int worker)>& task, Monitor& monitor,
                   const char* stage, double from, double to);
 
+/// The same without a part of the progress of its own, so that a task of parallel_for() may call it.
+void parallel_for(int count, int threads, const std::function<void(int index, int worker)>& task, Monitor& monitor);
+
 }  // namespace isograft

@@ -6,43 +6,37 @@
 #include <cmath>
 #include <limits>
 
-#include "geodesic/window.h"
-
 namespace isograft {
 
 namespace {
-constexpr float unreached = 9.0F;
 constexpr int most_anchors = 64;
-// Images nearer than this, in sample spacings, share their windows.
-constexpr double same_place = 0.25;
+// Samples of this level and above, some sixty, are taken first: other maps have measured from them already.
+constexpr int common_level = 2;
 }  // namespace
 
-void Anchors::measure_source(Anchor& anchor, Window& window) const {
-    const Samples& samples = pair_.source.samples;
-    anchor.source_distance.assign(samples.count(), unreached);
-    anchor.source_sight.assign(samples.count(), Sight::none);
-    window.run(samples.point[anchor.sample], std::numeric_limits<double>::infinity());
-    for (int s = 0; s < samples.count(); ++s) {
-        const auto polar = window.query(samples.point[s]);
-        if (!polar) continue;
-        anchor.source_distance[s] = static_cast<float>(polar->distance);
-        anchor.source_sight[s] = window.bent_at(samples.point[s]) ? Sight::bent : Sight::straight;
+// An image lies up to half an edge beside its vertex, and that much nearer to what is ahead: a tenth of the distance to
+// the next anchor would be too much to leave out.
+std::vector<float> Anchors::from_image(const DistanceField& field, int vertex, const SurfacePoint& image) const {
+    const TriangleMesh& mesh = fields_.pair().target.mesh;
+    const SurfacePoint centre = field_centre(mesh, vertex);
+    const Eigen::Vector3d gap = position(mesh, image) - position(mesh, centre);
+    const Complex along = flatten(mesh, centre.face, gap);
+    const auto length = static_cast<float>(gap.norm());
+    const auto direction = static_cast<float>(std::arg(along));
+    std::vector<float> result = field.distance;
+    for (std::size_t v = 0; v < result.size(); ++v) {
+        if (field.sight[v] == Sight::none) continue;
+        // The cosine law: exact on the plane, and right beside the vertex too.
+        const float d = field.distance[v];
+        const float square = d * d + length * length - 2.0F * d * length * std::cos(field.departure[v] - direction);
+        result[v] = std::sqrt(std::max(0.0F, square));
     }
-}
-
-void Anchors::measure_target(Anchor& anchor, Window& window) const {
-    const TriangleMesh& mesh = pair_.target.mesh;
-    anchor.target_distance.assign(mesh.vertex_count(), unreached);
-    anchor.target_sight.assign(mesh.vertex_count(), Sight::none);
-    window.run(anchor.image, std::numeric_limits<double>::infinity());
-    for (const int v : window.reached()) {
-        anchor.target_distance[v] = static_cast<float>(window.distance(v));
-        anchor.target_sight[v] = window.bent(v) ? Sight::bent : Sight::straight;
-    }
+    return result;
 }
 
 bool Anchors::place(const PartialMap& map, int count, Monitor& monitor) {
-    const Samples& samples = pair_.source.samples;
+    const Pair& pair = fields_.pair();
+    const Samples& samples = pair.source.samples;
     // Start in the thick of the map, where nothing is bent.
     int current = -1;
     int most = -1;
@@ -56,40 +50,30 @@ bool Anchors::place(const PartialMap& map, int count, Monitor& monitor) {
         }
     }
     if (current < 0) return false;
-    std::vector<Anchor> before = std::move(anchors_);
+    // The same start again keeps most anchors where they are.
+    if (!anchors_.empty() && map.mapped[anchors_.front().sample]) current = anchors_.front().sample;
     anchors_.clear();
-    // The same start again keeps most anchors, and their windows, where they are.
-    if (!before.empty() && map.mapped[before.front().sample]) current = before.front().sample;
-    Window source_window(pair_.source.mesh);
-    Window target_window(pair_.target.mesh);
+    Window source_window(pair.source.mesh);
+    Window target_window(pair.target.mesh);
     std::vector<float> nearest(samples.count(), std::numeric_limits<float>::max());
     for (int k = 0; k < std::min(count, most_anchors) && current >= 0; ++k) {
         monitor.check();
-        Anchor anchor;
-        const auto old =
-            std::find_if(before.begin(), before.end(), [&](const Anchor& a) { return a.sample == current; });
-        if (old != before.end()) anchor = std::move(*old);
-        if (anchor.sample < 0) {
-            anchor.sample = current;
-            measure_source(anchor, source_window);
-        }
-        const bool stayed = !anchor.target_distance.empty() &&
-                            (anchor.image_position - map.position[current]).norm() < same_place * samples.spacing;
-        if (!stayed) {
-            anchor.image = map.image[current];
-            anchor.image_position = map.position[current];
-            measure_target(anchor, target_window);
-        }
-        anchors_.push_back(std::move(anchor));
-        const Anchor& placed = anchors_.back();
+        const int vertex = nearest_corner(pair.target.mesh, map.image[current]);
+        const auto field = fields_.from_vertex(vertex, target_window);
+        anchors_.push_back({current, fields_.from_sample(current, source_window), field,
+                            from_image(*field, vertex, map.image[current])});
+        const std::vector<float>& away = anchors_.back().source->distance;
         current = -1;
+        bool shared = false;
         float farthest = 0.0F;
         for (int s = 0; s < samples.count(); ++s) {
-            nearest[s] = std::min(nearest[s], placed.source_distance[s]);
-            if (map.mapped[s] && nearest[s] > farthest) {
-                farthest = nearest[s];
-                current = s;
-            }
+            nearest[s] = std::min(nearest[s], away[s]);
+            if (!map.mapped[s] || nearest[s] <= 0.0F) continue;
+            const bool common = samples.level[s] >= common_level;
+            if (common < shared || (common == shared && nearest[s] <= farthest)) continue;
+            shared = common;
+            farthest = nearest[s];
+            current = s;
         }
     }
     return true;
@@ -98,17 +82,17 @@ bool Anchors::place(const PartialMap& map, int count, Monitor& monitor) {
 double Anchors::incompatibility(int sample, const SurfacePoint& point) const {
     std::array<double, most_anchors> difference{};
     int count = 0;
-    const auto& corners = pair_.target.mesh.face[point.face];
+    const auto& corners = fields_.pair().target.mesh.face[point.face];
     for (const Anchor& anchor : anchors_) {
-        const Sight on_source = anchor.source_sight[sample];
+        const Sight on_source = anchor.source->sight[sample];
         Sight on_target = Sight::straight;
         double target = 0.0;
         for (int k = 0; k < 3; ++k) {
             target += point.weight[k] * anchor.target_distance[corners[k]];
-            on_target = std::max(on_target, anchor.target_sight[corners[k]]);
+            on_target = std::max(on_target, anchor.target->sight[corners[k]]);
         }
         if (on_source == Sight::none || on_target == Sight::none) continue;
-        const double source = anchor.source_distance[sample];
+        const double source = anchor.source->distance[sample];
         const double excess = target - source;
         if (on_source == Sight::bent && (on_target == Sight::bent || excess < 0.0)) continue;
         if (on_target == Sight::bent && excess > 0.0) continue;

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <memory>
 #include <vector>
 
-#include "feature/pair.h"
+#include "blend/distance_fields.h"
 #include "growth/partial_map.h"
 
 namespace isograft {
@@ -13,10 +14,11 @@ namespace isograft {
 /// A path bent by a boundary may be a detour round something missing: then only the other side's excess counts.
 class Anchors {
   public:
-    explicit Anchors(const Pair& pair) : pair_(pair) {}
+    /// \param fields must outlive it; may be shared.
+    explicit Anchors(DistanceFields& fields) : fields_(fields) {}
 
-    /// Choose `count` mapped samples far from each other and measure from them and from their images.
-    /// Windows of anchors that have hardly moved since the last call are kept. O(count x #V).
+    /// Choose `count` mapped samples far from each other and measure from them and from the vertices nearest to their
+    /// images. O(count x #V).
     /// \return false if the map is empty.
     bool place(const PartialMap& map, int count, Monitor& monitor);
 
@@ -24,21 +26,18 @@ class Anchors {
     [[nodiscard]] double incompatibility(int sample, const SurfacePoint& point) const;
 
   private:
-    enum class Sight : char { straight, bent, none };
     struct Anchor {
         int sample = -1;
-        SurfacePoint image;
-        Eigen::Vector3d image_position;
-        std::vector<float> source_distance;  // per source sample
-        std::vector<Sight> source_sight;
-        std::vector<float> target_distance;  // per target vertex
-        std::vector<Sight> target_sight;
+        /// To the samples of S, and from the vertex nearest to the image to those of T.
+        std::shared_ptr<const DistanceField> source, target;
+        /// From the image itself to the vertices of T.
+        std::vector<float> target_distance;
     };
 
-    void measure_source(Anchor& anchor, Window& window) const;
-    void measure_target(Anchor& anchor, Window& window) const;
+    [[nodiscard]] std::vector<float> from_image(const DistanceField& field, int vertex,
+                                                const SurfacePoint& image) const;
 
-    const Pair& pair_;
+    DistanceFields& fields_;
     std::vector<Anchor> anchors_;
 };
 

@@ -2,6 +2,7 @@
 #include "blend/blend.h"
 
 #include <algorithm>
+#include <atomic>
 #include <memory>
 #include <numeric>
 #include <optional>
@@ -72,6 +73,12 @@ std::vector<PartialMap> witnesses(const std::vector<Contender>& contenders, std:
     return result;
 }
 
+// Whether the two strongest cores came to one map that is worth enough: weaker ones would not change it any more.
+bool settled(const std::vector<Contender>& contenders, const BlendOptions& options) {
+    const auto share = agreement(contenders[0].free, contenders[1].free, options.agreement_radius);
+    return share && *share > 0.6 && std::max(contenders[0].score, contenders[1].score) >= options.content;
+}
+
 // The best contender, then those that contradict it and each other and nearly reach it, by falling score.
 std::vector<std::size_t> rank(const std::vector<Contender>& contenders, const BlendOptions& options) {
     std::vector<std::size_t> order(contenders.size());
@@ -97,16 +104,39 @@ std::vector<Blended> blend(const Pair& pair, const PatchSettings& settings, cons
                            const std::vector<Core>& cores, Monitor& monitor, double from, double middle, double to) {
     std::vector<Contender> contenders(cores.size());
     Trials trials(pair, settings, 2 * settings.seed.probe_size);
+    DistanceFields fields(pair);
     const DriftFinder drift(pair, settings.feature);
     monitor.report("blend", from);
-    parallel_for(
-        static_cast<int>(cores.size()), settings.threads,
-        [&](int i, int /*worker*/) {
-            contenders[i].completion = std::make_unique<Completion>(pair, settings, patches, trials, drift, monitor);
-            complete(contenders[i], cores[i], settings.blend.rounds,
-                     Piece(monitor, (middle - from) / static_cast<double>(cores.size())));
-        },
-        monitor, "blend", from, from);
+    const double part = (middle - from) / std::max<double>(1.0, static_cast<double>(cores.size()));
+    const int threads = worker_count(settings.threads);
+    const auto complete_cores = [&](std::size_t first, std::size_t end) {
+        for (std::size_t i = first; i < end; ++i) {
+            contenders[i].completion =
+                std::make_unique<Completion>(pair, settings, patches, trials, fields, drift, monitor);
+        }
+        // Whoever is through leaves its threads to the others.
+        std::atomic<int> open = static_cast<int>(end - first);
+        const auto share_threads = [&] {
+            const int left = open.load();
+            for (std::size_t i = first; left > 0 && left <= threads && i < end; ++i) {
+                contenders[i].completion->take_threads(threads / left);
+            }
+        };
+        share_threads();
+        parallel_for(
+            static_cast<int>(end - first), threads,
+            [&](int i, int /*worker*/) {
+                complete(contenders[first + i], cores[first + i], settings.blend.rounds, Piece(monitor, part));
+                --open;
+                share_threads();
+            },
+            monitor, "blend", monitor.fraction(), monitor.fraction());
+    };
+    complete_cores(0, std::min<std::size_t>(2, cores.size()));
+    if (cores.size() > 2 && !settled(contenders, settings.blend)) complete_cores(2, cores.size());
+    contenders.erase(std::remove_if(contenders.begin(), contenders.end(),
+                                    [](const Contender& c) { return c.completion == nullptr; }),
+                     contenders.end());
     monitor.report("blend", middle);
     const std::vector<std::size_t> ranked = rank(contenders, settings.blend);
     std::vector<Blended> result(std::max<std::size_t>(1, ranked.size()));
@@ -117,6 +147,7 @@ std::vector<Blended> blend(const Pair& pair, const PatchSettings& settings, cons
         [&](int i, int /*worker*/) {
             Contender& chosen = contenders[ranked[i]];
             Completion& completion = *chosen.completion;
+            completion.take_threads(std::max(1, threads / static_cast<int>(ranked.size())));
             completion.hear(witnesses(contenders, ranked[i], settings.blend.agreement_radius));
             completion.map() = chosen.careful;
             completion.extend_carefully(settings.blend.careful_rounds,
@@ -133,7 +164,7 @@ std::vector<Blended> blend(const Pair& pair, const PatchSettings& settings, cons
             const Contender& chosen = contenders[ranked[i]];
             Completion& completion = *chosen.completion;
             const double fit = choice_score(completion.quality());
-            fill_pockets(completion.map(), pair, monitor);
+            fill_pockets(completion.map(), pair, completion.threads(), monitor);
             completion.place_anchors();
             result[i] = {completion.map(), completion.doubts(),    chosen.quality,
                          chosen.score,     cores[ranked[i]].count, fit};

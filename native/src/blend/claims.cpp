@@ -77,8 +77,8 @@ std::vector<std::vector<double>> Completion::claims(const std::vector<int>& vaca
         speak(i, lands, index, says);
     }
     const std::vector<Candidate> all = challengers(vacant);
+    trials_.prepare(seeds_of(all), threads(), progress.until(1.0));
     for (std::size_t i = 0; i < all.size(); ++i) {
-        progress.reach(static_cast<double>(i) / static_cast<double>(all.size()));
         const Trial& trial = trials_.of(all[i].seed, grower_);
         if (static_cast<int>(trial.held.size()) < settings_.seed.probe_size / 3 || trial.misfit > 0.6) continue;
         own_.push_back(std::make_shared<const Patch>(Patch{to_map(trial, all[i].seed, pair_), trial.quality, 0.0}));

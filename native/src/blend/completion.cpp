@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/parallel.h"
 #include "blend/merge.h"
 #include "blend/vacancy.h"
 
@@ -11,6 +12,8 @@ namespace isograft {
 
 namespace {
 constexpr double compatible_reach = 0.12;
+// Share of the samples that a second pass must add if another is to follow.
+constexpr double worth_a_pass = 0.02;
 // Doubt of a sample whose place another part of S has with more right.
 constexpr double beaten = 0.9;
 constexpr std::size_t most_challengers = 60;
@@ -42,14 +45,14 @@ bool is_whole(const TriangleMesh& mesh) {
 }  // namespace
 
 Completion::Completion(const Pair& pair, const PatchSettings& settings, const std::vector<Patch>& patches,
-                       Trials& trials, const DriftFinder& drift, Monitor& monitor)
+                       Trials& trials, DistanceFields& fields, const DriftFinder& drift, Monitor& monitor)
     : pair_(pair),
       settings_(settings),
       trials_(trials),
       drift_(drift),
       monitor_(monitor),
       grower_(pair.source.samples, pair.target, settings.growth),
-      anchors_(pair),
+      anchors_(fields),
       map_(pair.source.samples.count()),
       weights_(patches.size(), 0.0),
       support_(patches, pair.source.samples.count(), settings.blend.agreement_radius, settings.blend.decay),
@@ -62,6 +65,7 @@ void Completion::optimise(int iterations, double trim) {
     RelaxSettings relax_settings;
     relax_settings.iterations = iterations;
     relax_settings.trim = trim;
+    relax_settings.threads = threads();
     relax(pair_.source.samples, pair_.target.mesh, settings_.growth, relax_settings, map_);
 }
 
@@ -118,21 +122,31 @@ std::optional<Completion::Candidate> Completion::candidate(int s, int t) const {
     return Candidate{best.distance / pair_.chance + 3.0 * incompatible, {s, t, best.shift}};
 }
 
+std::vector<TrialSeed> Completion::seeds_of(const std::vector<Candidate>& candidates) {
+    std::vector<TrialSeed> seeds;
+    seeds.reserve(candidates.size());
+    for (const Candidate& candidate : candidates) seeds.push_back(candidate.seed);
+    return seeds;
+}
+
 std::vector<Completion::Candidate> Completion::candidates() const {
     const Samples& source = pair_.source.samples;
     const std::vector<char> covered = covered_target();
+    std::vector<std::vector<Candidate>> best(source.count());
+    parallel_for(
+        source.count(), threads(),
+        [&](int s, int /*worker*/) {
+            if (map_.mapped[s] || (source.level[s] == 0 && s % 2 != 0)) return;
+            std::vector<Candidate> here;
+            for (int t = 0; t < pair_.target.samples.count(); ++t) {
+                if (covered[t]) continue;
+                if (const auto found = candidate(s, t)) here.push_back(*found);
+            }
+            add_best(here, best[s]);
+        },
+        monitor_);
     std::vector<Candidate> all;
-    std::vector<Candidate> here;
-    for (int s = 0; s < source.count(); ++s) {
-        if (map_.mapped[s] || (source.level[s] == 0 && s % 2 != 0)) continue;
-        monitor_.check();
-        here.clear();
-        for (int t = 0; t < pair_.target.samples.count(); ++t) {
-            if (covered[t]) continue;
-            if (const auto found = candidate(s, t)) here.push_back(*found);
-        }
-        add_best(here, all);
-    }
+    for (const std::vector<Candidate>& here : best) all.insert(all.end(), here.begin(), here.end());
     return best_of(std::move(all), static_cast<std::size_t>(settings_.seed.probes / 2));
 }
 
@@ -165,14 +179,12 @@ bool Completion::second_pass(Piece progress) {
     revive();
     const std::vector<Candidate> all = candidates();
     progress.reach(0.2);
-    for (std::size_t i = 0; i < all.size(); ++i) {
-        try_candidate(all[i].seed);
-        progress.reach(0.2 + 0.7 * static_cast<double>(i + 1) / static_cast<double>(all.size()));
-    }
+    trials_.prepare(seeds_of(all), threads(), progress.until(0.9));
+    for (const Candidate& candidate : all) try_candidate(candidate.seed);
     merge_into(map_, pair_, settings_, patches_, weights_);
     drop_torn_parts(map_, pair_);
     optimise(3, 0.5 * settings_.growth.stretch_limit);
-    return map_.count > before + 2;
+    return map_.count > before + worth_a_pass * pair_.source.samples.count();
 }
 
 std::vector<Completion::Candidate> Completion::challengers(const std::vector<int>& vacant) const {
@@ -211,11 +223,13 @@ Evidence Completion::evidence(int sample, const SurfacePoint& point, Complex rot
 std::vector<double> Completion::doubts() const {
     const Samples& source = pair_.source.samples;
     std::vector<Evidence> own(source.count());
-    for (int s = 0; s < source.count(); ++s) {
-        if (s % 64 == 0) monitor_.check();
-        if (map_.mapped[s]) own[s] = evidence(s, map_.image[s], map_.rotation[s]);
-    }
-    const std::vector<Drift> drifts = drift_.find(map_);
+    parallel_for(
+        source.count(), threads(),
+        [&](int s, int /*worker*/) {
+            if (map_.mapped[s]) own[s] = evidence(s, map_.image[s], map_.rotation[s]);
+        },
+        monitor_);
+    const std::vector<Drift> drifts = drift_.find(map_, threads(), monitor_);
     std::vector<double> result(source.count(), 0.0);
     for (int s = 0; s < source.count(); ++s) {
         if (!map_.mapped[s]) continue;
@@ -251,6 +265,7 @@ void Completion::extend(double accept) {
     run.first_relax = 1 << 28;
     run.final_iterations = 3;
     run.slack = 2.0;
+    run.threads = threads();
     run.mismatch = [&](int s, const SurfacePoint& p, Complex turn) {
         monitor_.check();
         return mismatch(pair_, settings_.feature, s, p, turn);

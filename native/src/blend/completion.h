@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -20,9 +21,9 @@ namespace isograft {
 /// goes its own way.
 class Completion {
   public:
-    /// The references must outlive it; `patches`, `trials` and `drift` are shared between cores.
+    /// The references must outlive it; `patches`, `trials`, `fields` and `drift` are shared between cores.
     Completion(const Pair& pair, const PatchSettings& settings, const std::vector<Patch>& patches, Trials& trials,
-               const DriftFinder& drift, Monitor& monitor);
+               DistanceFields& fields, const DriftFinder& drift, Monitor& monitor);
 
     /// Merge the core's patches, keep the largest continuous part, run the least squares.
     void start(const Core& core);
@@ -68,6 +69,10 @@ class Completion {
 
     /// Of the map as it is now, see measure_quality().
     [[nodiscard]] MapQuality quality();
+    /// Threads that it may use by itself from now on, 1 at first: those that no other completion needs. From any
+    /// thread.
+    void take_threads(int threads) { threads_.count = threads; }
+    [[nodiscard]] int threads() const { return threads_.count; }
     /// From now on, of two parts of S on one place of T the less trusted one is doubted.
     void be_exclusive() { exclusive_ = true; }
 
@@ -78,6 +83,14 @@ class Completion {
     /// A candidate's whole patch must fit the anchors better than its seed alone had to.
     static constexpr double patch_strictness = 0.7;
 
+    // A copy begins with as many.
+    struct ThreadCount {
+        std::atomic<int> count{1};
+        ThreadCount() = default;
+        ThreadCount(const ThreadCount& other) : count(other.count.load()) {}
+        ThreadCount& operator=(const ThreadCount&) = delete;
+    };
+
     struct Candidate {
         double score;
         TrialSeed seed;
@@ -87,6 +100,7 @@ class Completion {
     void revive();
     /// Nothing if the anchors or the descriptors exclude it.
     [[nodiscard]] std::optional<Candidate> candidate(int s, int t) const;
+    [[nodiscard]] static std::vector<TrialSeed> seeds_of(const std::vector<Candidate>& candidates);
     [[nodiscard]] std::vector<Candidate> candidates() const;
     [[nodiscard]] std::vector<char> covered_target() const;
     void try_candidate(const TrialSeed& seed);
@@ -110,6 +124,7 @@ class Completion {
     // Shared by copies.
     std::vector<std::shared_ptr<const Patch>> own_;
     Support support_;
+    ThreadCount threads_;
     bool whole_;
     bool exclusive_ = false;
     std::vector<PartialMap> witnesses_;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/parallel.h"
+
 namespace isograft {
 
 namespace {
@@ -28,7 +30,7 @@ Complex along(const SampleEdge& edge, int from) {
 }  // namespace
 
 DriftFinder::DriftFinder(const Pair& pair, const FeatureOptions& options)
-    : pair_(pair), options_(options), spacing_(pair.source.samples.spacing) {
+    : pair_(pair), options_(options), spacing_(pair.source.samples.spacing), known_(pair.source.samples.count()) {
     const int count = pair.target.samples.count();
     around_.reserve(count);
     for (int t = 0; t < count; ++t) around_.push_back(unfold(t));
@@ -84,31 +86,42 @@ std::vector<DriftFinder::Cell> DriftFinder::moves(const PartialMap& map, int sam
             }
         }
     }
+    const std::lock_guard lock(locks_[static_cast<std::size_t>(sample) % locks_.size()]);
     for (std::size_t c = 0; c < result.size(); ++c) {
         if (which[c] < 0) continue;
         const Near& near = around_[middle][which[c]];
         const int shift = shift_of(near.turn * rotation) + descriptor_angles - turns / 2;
         result[c].count = 1.0F;
+        auto [known, is_new] = known_[sample].try_emplace(near.sample);
+        if (is_new) known->second.fill(-1.0F);
         for (int k = 0; k < turns; ++k) {
-            const double d = descriptor_distance(pair_.source_descriptor[sample], pair_.target_descriptor[near.sample],
-                                                 (shift + k) % descriptor_angles, options_);
-            result[c].sum[k] = static_cast<float>(std::min(3.0, d / pair_.chance));
+            const int turned = (shift + k) % descriptor_angles;
+            float& d = known->second[turned];
+            if (d < 0.0F) {
+                d = static_cast<float>(
+                    std::min(3.0, descriptor_distance(pair_.source_descriptor[sample],
+                                                      pair_.target_descriptor[near.sample], turned, options_) /
+                                      pair_.chance));
+            }
+            result[c].sum[k] = d;
         }
     }
     return result;
 }
 
-std::vector<Drift> DriftFinder::find(const PartialMap& map) const {
+std::vector<Drift> DriftFinder::find(const PartialMap& map, int threads, Monitor& monitor) const {
     const Samples& source = pair_.source.samples;
     std::vector<std::vector<Cell>> own(source.count());
-    for (int s = 0; s < source.count(); ++s) {
-        if (map.mapped[s]) own[s] = moves(map, s);
-    }
-    std::vector<Cell> cells(grid * grid);
+    parallel_for(
+        source.count(), threads,
+        [&](int s, int /*worker*/) {
+            if (map.mapped[s]) own[s] = moves(map, s);
+        },
+        monitor);
     std::vector<Drift> result(source.count());
-    for (int s = 0; s < source.count(); ++s) {
-        if (!map.mapped[s]) continue;
-        std::fill(cells.begin(), cells.end(), Cell());
+    const auto judge = [&](int s, int /*worker*/) {
+        if (!map.mapped[s]) return;
+        std::array<Cell, grid * grid> cells{};
         int voices = 0;
         const auto add = [&](int sample, Complex there) {
             if (own[sample].empty()) return;
@@ -129,7 +142,7 @@ std::vector<Drift> DriftFinder::find(const PartialMap& map) const {
             if (edge.length < surroundings * spacing_ && map.mapped[edge.other(s)]) add(edge.other(s), along(edge, s));
         }
         const Cell& middle = cells[half_grid * grid + half_grid];
-        if (middle.count == 0.0F) continue;
+        if (middle.count == 0.0F) return;
         Drift& drift = result[s];
         drift.here = drift.there = middle.sum[turns / 2] / middle.count;
         for (int c = 0; c < grid * grid; ++c) {
@@ -139,7 +152,8 @@ std::vector<Drift> DriftFinder::find(const PartialMap& map) const {
             drift.there = best;
             drift.offset = move_of(c) * spacing_ * map.rotation[s];
         }
-    }
+    };
+    parallel_for(source.count(), threads, judge, monitor);
     return result;
 }
 

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <mutex>
+#include <unordered_map>
 #include <vector>
 
 #include "feature/pair.h"
@@ -26,14 +28,14 @@ struct Drift {
 ///
 /// A sample and its mapped neighbours are moved together over the target, by up to 5 spacings and turned by up to 30
 /// degrees, and the mean mismatch is compared: block matching, on a surface. Costs about 50,000 descriptor distances a
-/// hundred samples, no geodesics.
+/// hundred samples at first, then only those of new places; no geodesics. May be shared by threads.
 class DriftFinder {
   public:
     /// Prepares the target: for every sample those around it, unfolded over the edges between them.
     DriftFinder(const Pair& pair, const FeatureOptions& options);
 
     /// Per sample of the source; nothing is off where it is not mapped.
-    [[nodiscard]] std::vector<Drift> find(const PartialMap& map) const;
+    [[nodiscard]] std::vector<Drift> find(const PartialMap& map, int threads, Monitor& monitor) const;
 
   private:
     static constexpr int turns = 5;
@@ -51,6 +53,9 @@ class DriftFinder {
         std::array<float, turns> sum{};
     };
 
+    /// Mismatch with target samples at every shift; below 0 where nobody has asked yet.
+    using Known = std::unordered_map<int, std::array<float, descriptor_angles>>;
+
     [[nodiscard]] std::vector<Near> unfold(int middle) const;
     [[nodiscard]] std::vector<Cell> moves(const PartialMap& map, int sample) const;
 
@@ -58,6 +63,9 @@ class DriftFinder {
     FeatureOptions options_;
     double spacing_;
     std::vector<std::vector<Near>> around_;
+    // Maps move little from one call to the next. Per source sample; a lock is for every so-manieth of them.
+    mutable std::vector<Known> known_;
+    mutable std::array<std::mutex, 64> locks_;
 };
 
 }  // namespace isograft

@@ -5,8 +5,10 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 #include <vector>
 
+#include "base/parallel.h"
 #include "blend/vacancy.h"
 #include "geodesic/window.h"
 
@@ -26,7 +28,7 @@ constexpr double taken = 0.75;
 constexpr float unreached = std::numeric_limits<float>::infinity();
 
 struct Anchor {
-    int sample;
+    int sample = -1;
     // Per sample of the pocket, and per vertex of T.
     std::vector<float> on_source, on_target;
 };
@@ -82,30 +84,38 @@ bool along_boundary(const std::vector<int>& pocket, const SampledMesh& source) {
 }
 
 std::vector<Anchor> measure(const std::vector<int>& samples, const std::vector<int>& pocket, const PartialMap& map,
-                            const Pair& pair, Window& on_source, Window& on_target, Monitor& monitor) {
+                            const Pair& pair, std::vector<Window>& on_source, std::vector<Window>& on_target,
+                            Monitor& monitor) {
     const SampledMesh& source = pair.source;
     const SampledMesh& target = pair.target;
-    std::vector<Anchor> anchors;
-    for (const int sample : samples) {
-        monitor.check();
-        Anchor anchor{sample, std::vector<float>(pocket.size(), unreached),
-                      std::vector<float>(target.mesh.vertex_count(), unreached)};
-        on_source.run(source.samples.point[sample], 3.0 * anchor_reach);
-        float longest = 0.0F;
-        for (std::size_t i = 0; i < pocket.size(); ++i) {
-            const SurfacePoint& point = source.samples.point[pocket[i]];
-            const auto polar = on_source.query(point);
-            if (!polar || on_source.bent_at(point)) continue;
-            anchor.on_source[i] = static_cast<float>(polar->distance);
-            longest = std::max(longest, anchor.on_source[i]);
-        }
-        if (longest <= 0.0F) continue;
-        on_target.run(map.image[sample], 1.3 * longest + 2.0 * source.samples.spacing);
-        for (const int v : on_target.reached()) {
-            if (!on_target.bent(v)) anchor.on_target[v] = static_cast<float>(on_target.distance(v));
-        }
-        anchors.push_back(std::move(anchor));
-    }
+    std::vector<Anchor> anchors(samples.size());
+    parallel_for(
+        static_cast<int>(samples.size()), static_cast<int>(on_source.size()),
+        [&](int k, int worker) {
+            const int sample = samples[k];
+            Anchor anchor{sample, std::vector<float>(pocket.size(), unreached),
+                          std::vector<float>(target.mesh.vertex_count(), unreached)};
+            Window& window = on_source[worker];
+            window.run(source.samples.point[sample], 3.0 * anchor_reach);
+            float longest = 0.0F;
+            for (std::size_t i = 0; i < pocket.size(); ++i) {
+                const SurfacePoint& point = source.samples.point[pocket[i]];
+                const auto polar = window.query(point);
+                if (!polar || window.bent_at(point)) continue;
+                anchor.on_source[i] = static_cast<float>(polar->distance);
+                longest = std::max(longest, anchor.on_source[i]);
+            }
+            if (longest <= 0.0F) return;
+            Window& there = on_target[worker];
+            there.run(map.image[sample], 1.3 * longest + 2.0 * source.samples.spacing);
+            for (const int v : there.reached()) {
+                if (!there.bent(v)) anchor.on_target[v] = static_cast<float>(there.distance(v));
+            }
+            anchors[k] = std::move(anchor);
+        },
+        monitor);
+    anchors.erase(std::remove_if(anchors.begin(), anchors.end(), [](const Anchor& a) { return a.sample < 0; }),
+                  anchors.end());
     return anchors;
 }
 
@@ -215,7 +225,7 @@ void drop_strays(PartialMap& map, const Samples& source, std::vector<int>& added
 
 }  // namespace
 
-int fill_pockets(PartialMap& map, const Pair& pair, Monitor& monitor) {
+int fill_pockets(PartialMap& map, const Pair& pair, int threads, Monitor& monitor) {
     const Samples& source = pair.source.samples;
     const TriangleMesh& target = pair.target.mesh;
     if (map.count == 0) return 0;
@@ -228,8 +238,8 @@ int fill_pockets(PartialMap& map, const Pair& pair, Monitor& monitor) {
     }
     std::vector<int> free = free_vertices(pair.target);
     take(mapped, map, pair, free);
-    Window on_source(pair.source.mesh);
-    Window on_target(target);
+    std::vector<Window> on_source(worker_count(threads), Window(pair.source.mesh));
+    std::vector<Window> on_target(worker_count(threads), Window(target));
     int count = 0;
     for (const std::vector<int>& pocket : parts_by_area(source, std::move(open), 0.0)) {
         double area = 0.0;
@@ -238,9 +248,13 @@ int fill_pockets(PartialMap& map, const Pair& pair, Monitor& monitor) {
         const std::vector<int> around = anchor_samples(source, map, pocket);
         if (around.size() < fewest_anchors) continue;
         const std::vector<Anchor> anchors = measure(around, pocket, map, pair, on_source, on_target, monitor);
+        std::vector<Fit> fits(pocket.size());
+        parallel_for(
+            static_cast<int>(pocket.size()), threads,
+            [&](int i, int /*worker*/) { fits[i] = best_fit(i, anchors, free, source.spacing); }, monitor);
         std::vector<int> added;
         for (std::size_t i = 0; i < pocket.size(); ++i) {
-            const Fit fit = best_fit(i, anchors, free, source.spacing);
+            const Fit& fit = fits[i];
             if (fit.vertex < 0 || fit.excess > 0.0) continue;
             map.put(target, pocket[i], point_near_vertex(target, fit.vertex), Complex(1.0, 0.0));
             added.push_back(pocket[i]);

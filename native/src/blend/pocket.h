@@ -15,6 +15,6 @@ namespace isograft {
 /// unmapped; so do parts along a boundary of S. Which of two fingers it is may remain open; they lie within a few
 /// hundredths of each other.
 /// \param map in and out; what it holds is not moved. \return samples added.
-int fill_pockets(PartialMap& map, const Pair& pair, Monitor& monitor);
+int fill_pockets(PartialMap& map, const Pair& pair, int threads, Monitor& monitor);
 
 }  // namespace isograft

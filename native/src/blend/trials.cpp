@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "blend/trials.h"
 
+#include <algorithm>
 #include <utility>
+
+#include "base/parallel.h"
 
 namespace isograft {
 
@@ -23,6 +26,21 @@ const Trial& Trials::of(const TrialSeed& seed, Grower& grower) {
     }
     const std::lock_guard lock(mutex_);
     return made_.emplace(key, std::move(trial)).first->second;
+}
+
+void Trials::prepare(const std::vector<TrialSeed>& seeds, int threads, Piece progress) {
+    const int workers = std::min(worker_count(threads), static_cast<int>(seeds.size()));
+    std::vector<Grower> growers;
+    growers.reserve(workers);
+    for (int w = 0; w < workers; ++w) growers.emplace_back(pair_.source.samples, pair_.target, settings_.growth);
+    std::vector<Piece> pieces = progress.split(1.0, seeds.size());
+    parallel_for(
+        static_cast<int>(seeds.size()), threads,
+        [&](int i, int worker) {
+            of(seeds[i], growers[worker]);
+            pieces[i].reach(1.0);
+        },
+        progress.monitor());
 }
 
 PartialMap to_map(const Trial& trial, const TrialSeed& seed, const Pair& pair) {

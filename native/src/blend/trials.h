@@ -6,6 +6,7 @@
 #include <mutex>
 #include <vector>
 
+#include "base/piece.h"
 #include "growth/patches.h"
 
 namespace isograft {
@@ -43,6 +44,8 @@ class Trials {
 
     /// \param grower the caller's own. \return stays where it is as long as this lives.
     const Trial& of(const TrialSeed& seed, Grower& grower);
+    /// Grow what of() will be asked for, side by side. \param progress is filled.
+    void prepare(const std::vector<TrialSeed>& seeds, int threads, Piece progress);
 
   private:
     const Pair& pair_;

@@ -156,12 +156,16 @@ bool compatible(const Samples& source, const PartialMap& a, const PartialMap& b,
     constexpr double far = 3.0;  // radii on S that are no longer one place
     const Overlap overlap = overlap_of(a, b, radius);
     if (2 * overlap.agreed < overlap.shared) return false;
+    std::vector<int> of_b;
+    for (int r = 0; r < source.count(); ++r) {
+        if (b.mapped[r]) of_b.push_back(r);
+    }
     int together = 0;
     int doubled = 0;
     for (int s = 0; s < source.count(); ++s) {
         if (!a.mapped[s]) continue;
-        for (int r = 0; r < source.count(); ++r) {
-            if (!b.mapped[r] || (a.position[s] - b.position[r]).norm() >= radius) continue;
+        for (const int r : of_b) {
+            if ((a.position[s] - b.position[r]).squaredNorm() >= radius * radius) continue;
             ++together;
             doubled += (source.position[s] - source.position[r]).norm() > far * radius ? 1 : 0;
         }

@@ -99,6 +99,9 @@ void Window::relax_across(int face, int corner_from, int corner_to, int corner_f
     const int h = 3 * face + corner_from;
     const auto& corner = mesh_->corner[face];
     const Complex far = (corner[corner_far] - corner[corner_from]) * std::conj(mesh_->direction[h]);
+    // No point of the edge is nearer than half of this, and beyond it there is still the height of the triangle.
+    const double ends = distance_[from] + distance_[to] - mesh_->length[h];
+    if (has(vertices[corner_far]) && distance_[vertices[corner_far]] < 0.5 * ends + far.imag()) return;
     const Unfolded u = unfold(mesh_->length[h], far, distance_[from], distance_[to]);
     // Most offers are no better than what is known: their angle is not asked for.
     if (!improves(vertices[corner_far], u.distance)) return;

@@ -192,10 +192,11 @@ bool Grower::collides(const PartialMap& map, int sample, const SurfacePoint& poi
     return std::any_of(around.begin(), around.end(), [&](int e) { return hit(target_samples_.edges[e].other(cell)); });
 }
 
-void Grower::optimise(PartialMap& map, int iterations, double trim) {
+void Grower::optimise(PartialMap& map, int iterations, double trim, int threads) {
     RelaxSettings settings;
     settings.iterations = iterations;
     settings.trim = trim;
+    settings.threads = threads;
     const std::vector<char> before = map.mapped;
     relax(source_, target_, options_, settings, map);
     for (int s = 0; s < source_.count(); ++s) {
@@ -224,7 +225,7 @@ void Grower::grow(PartialMap& map, const GrowthRun& run) {
             map.put(target_, s, predicted_[s].point, predicted_[s].rotation);
             cell_[cell + 1].push_back(s);
             if (map.count >= next_relax) {
-                optimise(map, options_.iterations, trim);
+                optimise(map, options_.iterations, trim, run.threads);
                 next_relax = std::max(next_relax + 4, 2 * std::max(next_relax, map.count));
                 evaluate_all(map, run, limit);
             } else {
@@ -232,7 +233,7 @@ void Grower::grow(PartialMap& map, const GrowthRun& run) {
             }
         }
         const bool last = phase + 1 == run.schedule.size() || map.count >= run.max_samples;
-        optimise(map, last ? run.final_iterations : options_.iterations, trim);
+        optimise(map, last ? run.final_iterations : options_.iterations, trim, run.threads);
         if (last) break;
     }
 }

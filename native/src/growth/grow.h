@@ -17,6 +17,8 @@ struct GrowthRun {
     /// Samples at which the first least squares runs; then at every doubling.
     int first_relax = 14;
     int final_iterations = 2;
+    /// For the least squares of large maps.
+    int threads = 1;
     /// Factor on GrowthOptions::stretch_limit.
     double slack = 1.0;
     /// Optional: how badly sample `s` fits at `point` under `turn`, about 1 for chance. Enters the order with
@@ -75,7 +77,7 @@ class Grower {
     void evaluate_all(const PartialMap& map, const GrowthRun& run, double limit);
     [[nodiscard]] bool collides(const PartialMap& map, int sample, const SurfacePoint& point, int cell) const;
     void occupy(const PartialMap& map);
-    void optimise(PartialMap& map, int iterations, double trim);
+    void optimise(PartialMap& map, int iterations, double trim, int threads);
 
     const Samples& source_;
     const TriangleMesh& target_;

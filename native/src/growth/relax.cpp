@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <Eigen/Cholesky>
 
+#include "base/parallel.h"
 #include "geodesic/shoot.h"
 #include "growth/normal_equations.h"
 
@@ -22,7 +24,8 @@ struct ActiveEdge {
 /// The state of the least squares: where each unknown is now, and the geodesic of every edge there.
 class State {
   public:
-    State(const Samples& source, const TriangleMesh& target, const PartialMap& map) : source_(source), target_(target) {
+    State(const Samples& source, const TriangleMesh& target, const PartialMap& map, int threads)
+        : source_(source), target_(target), threads_(threads) {
         index_.assign(source.count(), -1);
         for (int s = 0; s < source.count(); ++s) {
             if (!map.mapped[s]) continue;
@@ -46,7 +49,8 @@ class State {
         evaluated_ = x;
         std::vector<Complex> before = turn_;
         for (std::size_t i = 0; i < sample.size(); ++i) move(i);
-        for (ActiveEdge& a : edges) {
+        for_each(edges.size(), [&](std::size_t i) {
+            ActiveEdge& a = edges[i];
             // The last direction, carried along with the start point, is nearly right.
             const Complex guess = a.shot.departure * turn_[a.u] * std::conj(before[a.u]);
             if (const auto s = shoot(target_, now_[a.u], now_[a.v], guess, a.shot.length, accuracy)) {
@@ -56,7 +60,7 @@ class State {
                 a.shot.departure = guess;
                 a.shot.arrival = a.shot.arrival * turn_[a.v] * std::conj(before[a.v]);
             }
-        }
+        });
     }
 
     /// Derivatives of an edge's length by its two unknowns, in the frames of their base points.
@@ -95,15 +99,41 @@ class State {
   private:
     static constexpr ShootOptions accuracy{.max_traces = 4, .tolerance = 0.03};
 
+    // Edges to a task: threads that fetch every edge on its own would wait for each other.
+    static constexpr std::size_t batch = 256;
+
+    template <class Task>
+    void for_each(std::size_t count, Task&& task) {
+        const auto run = [&](std::size_t begin) {
+            for (std::size_t i = begin; i < std::min(count, begin + batch); ++i) task(i);
+        };
+        if (threads_ == 1 || count < 4 * batch) {
+            for (std::size_t begin = 0; begin < count; begin += batch) run(begin);
+            return;
+        }
+        Monitor silent;
+        parallel_for(
+            static_cast<int>((count + batch - 1) / batch), threads_,
+            [&](int i, int /*worker*/) { run(static_cast<std::size_t>(i) * batch); }, silent);
+    }
+
     void find_edges(const PartialMap& map) {
+        std::vector<const SampleEdge*> active;
         for (const SampleEdge& e : source_.edges) {
-            if (!is_active(e, map)) continue;
+            if (is_active(e, map)) active.push_back(&e);
+        }
+        std::vector<std::optional<Shot>> shots(active.size());
+        for_each(active.size(), [&](std::size_t i) {
+            const SampleEdge& e = *active[i];
             const int u = index_[e.u];
-            const int v = index_[e.v];
-            const auto s = shoot(target_, base_[u], base_[v], e.at_u * rotation_[u], e.length, accuracy);
-            if (s) {
-                edges.push_back({&e, u, v, *s});
-            } else if (e.level == 0) {
+            shots[i] = shoot(target_, base_[u], base_[index_[e.v]], e.at_u * rotation_[u], e.length, accuracy);
+        });
+        for (std::size_t i = 0; i < active.size(); ++i) {
+            const int u = index_[active[i]->u];
+            const int v = index_[active[i]->v];
+            if (shots[i]) {
+                edges.push_back({active[i], u, v, *shots[i]});
+            } else if (active[i]->level == 0) {
                 broken.emplace_back(u, v);
             }
         }
@@ -124,6 +154,7 @@ class State {
 
     const Samples& source_;
     const TriangleMesh& target_;
+    int threads_;
     std::vector<int> index_;
     std::vector<SurfacePoint> base_, now_;
     std::vector<Complex> turn_, rotation_;
@@ -255,7 +286,7 @@ std::vector<Complex> mean_rotations(const State& state) {
 
 std::vector<double> relax(const Samples& source, const TriangleMesh& target, const GrowthOptions& options,
                           const RelaxSettings& settings, PartialMap& map) {
-    State state(source, target, map);
+    State state(source, target, map, settings.threads);
     const auto write_back = [&] {
         const auto turns = mean_rotations(state);
         for (std::size_t i = 0; i < state.sample.size(); ++i) {

@@ -23,6 +23,8 @@ struct RelaxSettings {
     std::function<void(const PartialMap& map, std::vector<SampleTerm>& terms)> term;
     /// Drop samples whose mean relative stretch over level-0 edges exceeds this; 0 keeps all.
     double trim = 0.0;
+    /// For the geodesics of large maps.
+    int threads = 1;
 };
 
 /// Nonlinear least squares of d_T - d_S over the hierarchy's edges inside U (paper section 4.4, eq. 6): two tangent

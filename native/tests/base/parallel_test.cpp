@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <mutex>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -140,6 +142,23 @@ TEST(ParallelFor, TellsTheProgressOfOthersWhileTheCallerHasNothingLeftToDo) {
     parallel_for(2, 2, task, monitor, "stage", 0.0, 0.0);
     EXPECT_GE(seen.size(), 4U);
     EXPECT_TRUE(std::is_sorted(seen.begin(), seen.end()));
+}
+
+TEST(ParallelFor, WithoutAPartTellsNothingAndCanBeATaskOfAnother) {
+    std::set<std::thread::id> tellers;
+    std::mutex mutex;
+    Monitor monitor([&](const std::string&, double) {
+        const std::lock_guard lock(mutex);
+        tellers.insert(std::this_thread::get_id());
+        return true;
+    });
+    std::vector<std::atomic<int>> runs(400);
+    parallel_for(
+        4, 2, [&](int i, int) { parallel_for(100, 2, [&](int j, int) { ++runs[100 * i + j]; }, monitor); }, monitor,
+        "stage", 0.2, 0.6);
+    for (const auto& count : runs) EXPECT_EQ(count, 1);
+    EXPECT_DOUBLE_EQ(monitor.fraction(), 0.6);
+    EXPECT_EQ(tellers, std::set<std::thread::id>{std::this_thread::get_id()});
 }
 
 }  // namespace

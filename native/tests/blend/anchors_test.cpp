@@ -14,7 +14,8 @@ namespace {
 TEST(Anchors, FitWhatIsRightAndNotWhatIsFarFromIt) {
     const Twins& twins = Twins::of_a_blob();
     const Pair& pair = twins.pair();
-    Anchors anchors(pair);
+    DistanceFields fields(pair);
+    Anchors anchors(fields);
     Monitor monitor;
     ASSERT_TRUE(anchors.place(twins.true_map(twins.all_samples()), 12, monitor));
     double wrong = 0.0;
@@ -39,7 +40,8 @@ TEST(Anchors, SayAsMuchAboutPlacesOutsideTheMap) {
     for (const int s : twins.all_samples()) {
         if (samples.position[s].y() < 0.0) low.push_back(s);
     }
-    Anchors anchors(twins.pair());
+    DistanceFields fields(twins.pair());
+    Anchors anchors(fields);
     Monitor monitor;
     ASSERT_TRUE(anchors.place(twins.true_map(low), 12, monitor));
     for (int s = 0; s < samples.count(); s += 3) {
@@ -51,9 +53,20 @@ TEST(Anchors, SayAsMuchAboutPlacesOutsideTheMap) {
 
 TEST(Anchors, HaveNoPlaceOnAnEmptyMap) {
     const Twins& twins = Twins::of_a_blob();
-    Anchors anchors(twins.pair());
+    DistanceFields fields(twins.pair());
+    Anchors anchors(fields);
     Monitor monitor;
     EXPECT_FALSE(anchors.place(twins.true_map({}), 12, monitor));
+}
+
+TEST(Anchors, MeasureFromTheImagesAndNotFromTheVerticesBeside) {
+    // On a plane true matches differ by nothing, however near an anchor they are.
+    const Twins twins(shapes::grid(25, 25, 0.1, 0.1, 0.03));
+    DistanceFields fields(twins.pair());
+    Anchors anchors(fields);
+    Monitor monitor;
+    ASSERT_TRUE(anchors.place(twins.true_map(twins.all_samples()), 12, monitor));
+    for (const int s : twins.all_samples()) EXPECT_LT(anchors.incompatibility(s, twins.true_match(s).point), 1e-3);
 }
 
 }  // namespace

@@ -16,8 +16,9 @@ struct CompletionBench {
     PatchSettings settings = Twins::of_a_blob().settings();
     Monitor monitor;
     Trials trials{Twins::of_a_blob().pair(), settings, 2 * settings.seed.probe_size};
+    DistanceFields fields{Twins::of_a_blob().pair()};
     DriftFinder drift{Twins::of_a_blob().pair(), settings.feature};
-    Completion completion{Twins::of_a_blob().pair(), settings, patches_of_search, trials, drift, monitor};
+    Completion completion{Twins::of_a_blob().pair(), settings, patches_of_search, trials, fields, drift, monitor};
 };
 
 /// The best `count` patches of 40 samples grown from right matches of the blob twins.

@@ -173,5 +173,20 @@ TEST(Completion, StopsWhenCancelled) {
     EXPECT_THROW(bench.start(), Cancelled);
 }
 
+TEST(Completion, IsEqualBitForBitWithThreadsOfItsOwn) {
+    Bench alone, helped;
+    helped.completion.take_threads(2);
+    for (Bench* bench : {&alone, &helped}) {
+        bench->start();
+        bench->completion.second_pass(bench->monitor);
+        bench->completion.extend(0.5);
+        bench->completion.place_anchors();
+    }
+    EXPECT_GT(alone.completion.map().count, 100);
+    EXPECT_EQ(alone.completion.map().mapped, helped.completion.map().mapped);
+    EXPECT_EQ(alone.completion.map().rotation, helped.completion.map().rotation);
+    EXPECT_EQ(alone.completion.doubts(), helped.completion.doubts());
+}
+
 }  // namespace
 }  // namespace isograft

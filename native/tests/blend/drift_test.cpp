@@ -35,7 +35,8 @@ double mean_gain(const std::vector<Drift>& drifts) {
 TEST(Drift, FindsNothingWhereTheMapIsRight) {
     const Twins& twins = Twins::of_a_blob();
     const DriftFinder finder(twins.pair(), twins.options().feature);
-    const auto drifts = finder.find(slid(twins, 0.0));
+    Monitor monitor;
+    const auto drifts = finder.find(slid(twins, 0.0), 2, monitor);
     int moved = 0;
     for (const Drift& d : drifts) moved += modulus(d.offset) > 1.5 * twins.spacing() ? 1 : 0;
     EXPECT_LT(moved, static_cast<int>(drifts.size()) / 50);
@@ -45,8 +46,9 @@ TEST(Drift, PointsBackWhereAMapHasSlid) {
     const Twins& twins = Twins::of_a_blob();
     const Pair& pair = twins.pair();
     const DriftFinder finder(pair, twins.options().feature);
+    Monitor monitor;
     const PartialMap map = slid(twins, 3.0 * twins.spacing());
-    const auto drifts = finder.find(map);
+    const auto drifts = finder.find(map, 2, monitor);
     int back = 0;
     for (int s = 0; s < pair.source.samples.count(); ++s) {
         const Drift& d = drifts[s];
@@ -61,9 +63,10 @@ TEST(Drift, PointsBackWhereAMapHasSlid) {
 TEST(Drift, GainGrowsAsAMapSlides) {
     const Twins& twins = Twins::of_a_blob();
     const DriftFinder finder(twins.pair(), twins.options().feature);
-    const double none = mean_gain(finder.find(slid(twins, 0.0)));
-    const double some = mean_gain(finder.find(slid(twins, 2.0 * twins.spacing())));
-    const double much = mean_gain(finder.find(slid(twins, 4.0 * twins.spacing())));
+    Monitor monitor;
+    const double none = mean_gain(finder.find(slid(twins, 0.0), 2, monitor));
+    const double some = mean_gain(finder.find(slid(twins, 2.0 * twins.spacing()), 2, monitor));
+    const double much = mean_gain(finder.find(slid(twins, 4.0 * twins.spacing()), 2, monitor));
     EXPECT_LT(none, some);
     EXPECT_LT(some, much);
 }
@@ -71,7 +74,8 @@ TEST(Drift, GainGrowsAsAMapSlides) {
 TEST(Drift, SaysNothingOfUnmappedSamples) {
     const Twins& twins = Twins::of_a_blob();
     const DriftFinder finder(twins.pair(), twins.options().feature);
-    const auto drifts = finder.find(twins.true_map({0, 1, 2, 3, 4, 5, 6, 7, 8, 9}));
+    Monitor monitor;
+    const auto drifts = finder.find(twins.true_map({0, 1, 2, 3, 4, 5, 6, 7, 8, 9}), 2, monitor);
     for (std::size_t s = 10; s < drifts.size(); ++s) {
         EXPECT_EQ(drifts[s].gain(), 0.0);
         EXPECT_EQ(drifts[s].offset, Complex(0.0, 0.0));

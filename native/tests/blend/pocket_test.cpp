@@ -48,7 +48,7 @@ TEST(Pocket, IsFilledFromTheDistancesAround) {
         ASSERT_LT(share(pocket), 0.05);
         PartialMap map = without(pocket);
         const PartialMap before = map;
-        EXPECT_EQ(fill_pockets(map, twins().pair(), monitor), 6);
+        EXPECT_EQ(fill_pockets(map, twins().pair(), 2, monitor), 6);
         for (const int s : pocket) {
             ASSERT_TRUE(map.mapped[s]);
             // Images are vertices of T, whose edges are half a spacing long.
@@ -71,11 +71,11 @@ TEST(Pocket, LeavesAloneALargePartAndAWholeMap) {
     const std::vector<int> large = nearest(0, twins().all_samples().size() / 10);
     ASSERT_GT(share(large), 0.05);
     PartialMap map = without(large);
-    EXPECT_EQ(fill_pockets(map, twins().pair(), monitor), 0);
+    EXPECT_EQ(fill_pockets(map, twins().pair(), 2, monitor), 0);
     PartialMap whole = without({});
-    EXPECT_EQ(fill_pockets(whole, twins().pair(), monitor), 0);
+    EXPECT_EQ(fill_pockets(whole, twins().pair(), 2, monitor), 0);
     PartialMap none(twins().pair().source.samples.count());
-    EXPECT_EQ(fill_pockets(none, twins().pair(), monitor), 0);
+    EXPECT_EQ(fill_pockets(none, twins().pair(), 2, monitor), 0);
 }
 
 TEST(Pocket, StaysEmptyWhereItsPlaceOnTIsTaken) {
@@ -95,14 +95,14 @@ TEST(Pocket, StaysEmptyWhereItsPlaceOnTIsTaken) {
         map.put(target, far.back(), point_near_vertex(target, v), Complex(1.0, 0.0));
         far.pop_back();
     }
-    EXPECT_EQ(fill_pockets(map, twins().pair(), monitor), 0);
+    EXPECT_EQ(fill_pockets(map, twins().pair(), 2, monitor), 0);
 }
 
 TEST(Pocket, StopsWhenCancelled) {
     Monitor monitor;
     monitor.cancel();
     PartialMap map = without(nearest(0, 6));
-    EXPECT_THROW(fill_pockets(map, twins().pair(), monitor), Cancelled);
+    EXPECT_THROW(fill_pockets(map, twins().pair(), 2, monitor), Cancelled);
 }
 
 }  // namespace

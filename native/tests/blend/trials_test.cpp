@@ -57,5 +57,24 @@ TEST(Trials, AreMadeOnceAndTheSameForEveryThread) {
     for (int i = 0; i < 10; ++i) EXPECT_EQ(first[i], first[i + 10]);
 }
 
+TEST(Trials, AreTheSamePreparedSideBySide) {
+    const Pair& pair = Twins::of_a_blob().pair();
+    const PatchSettings settings = Twins::of_a_blob().settings();
+    Grower grower(pair.source.samples, pair.target, settings.growth);
+    std::vector<TrialSeed> seeds;
+    for (int i = 0; i < 12; ++i) seeds.push_back(some_seed(i));
+    Trials alone(pair, settings, size), prepared(pair, settings, size);
+    Monitor monitor;
+    prepared.prepare(seeds, 2, Piece(monitor, 0.5));
+    EXPECT_DOUBLE_EQ(monitor.fraction(), 0.5);
+    for (const TrialSeed& seed : seeds) {
+        const Trial& a = alone.of(seed, grower);
+        const Trial& b = prepared.of(seed, grower);
+        EXPECT_EQ(a.quality, b.quality);
+        ASSERT_EQ(a.held.size(), b.held.size());
+        for (std::size_t i = 0; i < a.held.size(); ++i) EXPECT_EQ(a.held[i].position, b.held[i].position);
+    }
+}
+
 }  // namespace
 }  // namespace isograft
