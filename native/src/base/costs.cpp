@@ -20,12 +20,13 @@ Costs::Costs(const MatchOptions& options)
     const double samples = options.hierarchy.samples / 1000.0;
     const double patch = options.blend.patch_size / 200.0;
     vote_ = 0.12 / pair + 0.36 / n * options.scale.votes / 80.0;
-    setting_ = samples * (0.35 / pair + 1.0 / n);
+    setting_ = samples * (0.25 / pair + 0.6 / n);
     probes_of_setting_ = (0.05 * samples + 0.1 * options.scale.probes / 120.0) / n;
-    growth_ = (0.05 * samples + 0.2 * options.seed.probes / 250.0 + 1.2 * patch * options.blend.patches / 120.0) / n;
-    core_ = samples * (0.2 + 0.2 * options.blend.rounds);
-    answer_ = samples * (0.75 + 0.75 * options.blend.careful_rounds);
-    refinement_ = options.dense.refine_weight > 0.0 ? 0.09 * samples * options.dense.refine_iterations / n : 0.0;
+    growth_ = (0.05 * samples + 0.2 * options.seed.probes / 250.0 + 0.75 * patch * options.blend.patches / 120.0) / n;
+    core_ = samples * (0.12 + 0.11 * options.blend.rounds);
+    answer_ = samples * (0.4 + 0.35 * options.blend.careful_rounds);
+    const double sliding = 0.15 * options.dense.refine_coarse_iterations + 0.09 * options.dense.refine_iterations;
+    refinement_ = options.dense.refine_weight > 0.0 ? samples * sliding / n : 0.0;
 }
 
 double Costs::gate(std::int64_t vertices, bool is_cloud) {

@@ -16,8 +16,18 @@ namespace isograft {
 
 namespace {
 
+// What is compared, and how far around an image it is tried.
+struct Scale {
+    /// Of the rays, in unit lengths.
+    double radius;
+    /// Between the places tried, in spacings.
+    double step;
+    /// Of the term, in DenseOptions::refine_weight.
+    double weight;
+};
+constexpr Scale coarse{0.1, 0.8, 2.0};
 // Small enough to tell a centimetre on a body, large enough to see shape.
-constexpr double ray_radius = 0.06;
+constexpr Scale fine{0.06, 0.4, 1.0};
 // A distance at which the term has lost half its pull.
 constexpr double soft = 0.02;
 
@@ -28,9 +38,9 @@ struct Stencil {
 
 std::optional<Stencil> sample_stencil(const Pair& pair, const std::vector<double>& curvature,
                                       const PolarDescriptor& wanted, const SurfacePoint& centre, Complex rotation,
-                                      const FeatureOptions& features) {
+                                      const FeatureOptions& features, const Scale& scale) {
     Stencil stencil{};
-    stencil.step = 0.4 * pair.source.samples.spacing;
+    stencil.step = scale.step * pair.source.samples.spacing;
     for (int i = -1; i <= 1; ++i) {
         for (int j = -1; j <= 1; ++j) {
             SurfacePoint point = centre;
@@ -43,7 +53,7 @@ std::optional<Stencil> sample_stencil(const Pair& pair, const std::vector<double
                 turn *= t.direction * std::conj(unit(offset));
             }
             const PolarDescriptor seen =
-                ray_descriptor(pair.target.mesh, point, curvature, ray_radius, 1.0, std::arg(turn), features);
+                ray_descriptor(pair.target.mesh, point, curvature, scale.radius, 1.0, std::arg(turn), features);
             const double d = descriptor_distance(wanted, seen, 0, features);
             if (d >= 0.5 * not_comparable) return std::nullopt;
             stencil.value[i + 1][j + 1] = d;
@@ -80,36 +90,43 @@ SampleTerm fit_term(const Stencil& stencil) {
 void refine(PartialMap& map, const Pair& pair, const FeatureOptions& features, const GrowthOptions& growth,
             const DenseOptions& options, int threads, Monitor& monitor, double from, double to) {
     const Samples& source = pair.source.samples;
-    if (options.refine_weight <= 0.0 || options.refine_iterations == 0 || map.count == 0) return;
-    std::vector<PolarDescriptor> wanted(source.count());
-    parallel_for(
-        source.count(), threads,
-        [&](int s, int /*worker*/) {
-            if (map.mapped[s]) {
-                wanted[s] = ray_descriptor(pair.source.mesh, source.point[s], pair.source_detail, ray_radius, 1.0, 0.0,
-                                           features);
-            }
-        },
-        monitor, "refinement", from, from);
-    RelaxSettings settings;
-    settings.iterations = options.refine_iterations;
-    settings.term_weight = options.refine_weight;
-    int round = 0;
-    settings.term = [&](const PartialMap& now, std::vector<SampleTerm>& terms) {
-        const double begin = from + (to - from) * round / options.refine_iterations;
-        const double end = from + (to - from) * (round + 1) / options.refine_iterations;
-        ++round;
+    const int all = options.refine_coarse_iterations + options.refine_iterations;
+    if (options.refine_weight <= 0.0 || all == 0 || map.count == 0) return;
+    int done = 0;
+    const auto slide = [&](const Scale& scale, int iterations, const std::vector<double>& source_curvature,
+                           const std::vector<double>& target_curvature) {
+        if (iterations == 0) return;
+        std::vector<PolarDescriptor> wanted(source.count());
         parallel_for(
             source.count(), threads,
             [&](int s, int /*worker*/) {
-                if (!now.mapped[s]) return;
-                const auto stencil =
-                    sample_stencil(pair, pair.target_detail, wanted[s], now.image[s], now.rotation[s], features);
-                if (stencil) terms[s] = fit_term(*stencil);
+                if (map.mapped[s]) {
+                    wanted[s] = ray_descriptor(pair.source.mesh, source.point[s], source_curvature, scale.radius, 1.0,
+                                               0.0, features);
+                }
             },
-            monitor, "refinement", begin, end);
+            monitor, "refinement", from, from);
+        RelaxSettings settings;
+        settings.iterations = iterations;
+        settings.threads = threads;
+        settings.term_weight = scale.weight * options.refine_weight;
+        settings.term = [&](const PartialMap& now, std::vector<SampleTerm>& terms) {
+            const double begin = from + (to - from) * done / all;
+            ++done;
+            parallel_for(
+                source.count(), threads,
+                [&](int s, int /*worker*/) {
+                    if (!now.mapped[s]) return;
+                    const auto stencil = sample_stencil(pair, target_curvature, wanted[s], now.image[s],
+                                                        now.rotation[s], features, scale);
+                    if (stencil) terms[s] = fit_term(*stencil);
+                },
+                monitor, "refinement", begin, from + (to - from) * done / all);
+        };
+        relax(source, pair.target.mesh, growth, settings, map);
     };
-    relax(source, pair.target.mesh, growth, settings, map);
+    slide(coarse, options.refine_coarse_iterations, pair.source_curvature, pair.target_curvature);
+    slide(fine, options.refine_iterations, pair.source_detail, pair.target_detail);
 }
 
 }  // namespace isograft

@@ -7,14 +7,16 @@ namespace isograft {
 struct DenseOptions {
     /// Strength of the descriptor term that slides points along the surface in the last least squares; 0 = off.
     double refine_weight = 0.1;
-    /// Iterations of that.
-    int refine_iterations = 4;
+    /// Iterations of that, first with the coarse shape, which pulls from farther away, then with the fine one.
+    int refine_coarse_iterations = 2;
+    int refine_iterations = 3;
     /// A vertex farther than this from every mapped sample stays unmatched; in sample spacings.
     double reach = 1.3;
 
     template <class Visitor>
     void visit(Visitor&& visitor) {
         visitor("refine_weight", refine_weight);
+        visitor("refine_coarse_iterations", refine_coarse_iterations);
         visitor("refine_iterations", refine_iterations);
         visitor("reach", reach);
     }
