@@ -139,11 +139,11 @@ class Album:
         names = list(self.donor.vertex_groups.keys())
         chest = creature.read_weights(self.donor, names)[:, names.index(SWOLLEN)]
         size = np.ptp(points, axis=0).max()
-        low, high = np.percentile(points[chest > 0.5, 2], (10, 90))
+        low, high = np.percentile(points[chest > 0.5 * chest.max(), 2], (10, 90))
         chest = chest * np.clip(1.5 - 2.0 * (points[:, 2] - low) / (high - low), 0.0, 1.0)
         self.donor.shape_key_add(name="Basis", from_mix=False)
         key = self.donor.shape_key_add(name="Swell", from_mix=False)
-        shape = points + 0.06 * size * chest[:, None] * normals
+        shape = points + 0.15 * size * chest[:, None] * normals
         key.data.foreach_set("co", shape.astype(np.float32).ravel())
         self.graft(what={"KEYS"}, fill=True)
         items = [copy_of(self.donor), copy_of(self.receiver), copy_of(self.receiver)]
