@@ -18,7 +18,7 @@ constexpr int common_level = 2;
 // the next anchor would be too much to leave out.
 std::vector<float> Anchors::from_image(const DistanceField& field, int vertex, const SurfacePoint& image) const {
     const TriangleMesh& mesh = fields_.pair().target.mesh;
-    const SurfacePoint centre = field_centre(mesh, vertex);
+    const SurfacePoint centre = point_near_vertex(mesh, vertex);
     const Eigen::Vector3d gap = position(mesh, image) - position(mesh, centre);
     const Complex along = flatten(mesh, centre.face, gap);
     const auto length = static_cast<float>(gap.norm());

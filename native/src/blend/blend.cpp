@@ -62,21 +62,25 @@ std::optional<double> agreement(const PartialMap& a, const PartialMap& b, double
     return static_cast<double>(overlap.agreed) / overlap.shared;
 }
 
+// Whether two cores came to much the same map.
+bool alike(const Contender& a, const Contender& b, double radius) {
+    const auto share = agreement(a.free, b.free, radius);
+    return share && *share > 0.6;
+}
+
 // Cores share no patch, so another one that leads to much the same map is a second opinion on the rest of it.
 std::vector<PartialMap> witnesses(const std::vector<Contender>& contenders, std::size_t chosen, double radius) {
     std::vector<PartialMap> result;
     for (std::size_t i = 0; i < contenders.size(); ++i) {
-        if (i == chosen) continue;
-        const auto share = agreement(contenders[chosen].free, contenders[i].free, radius);
-        if (share && *share > 0.6) result.push_back(contenders[i].free);
+        if (i != chosen && alike(contenders[chosen], contenders[i], radius)) result.push_back(contenders[i].free);
     }
     return result;
 }
 
 // Whether the two strongest cores came to one map that is worth enough: weaker ones would not change it any more.
 bool settled(const std::vector<Contender>& contenders, const BlendOptions& options) {
-    const auto share = agreement(contenders[0].free, contenders[1].free, options.agreement_radius);
-    return share && *share > 0.6 && std::max(contenders[0].score, contenders[1].score) >= options.content;
+    return alike(contenders[0], contenders[1], options.agreement_radius) &&
+           std::max(contenders[0].score, contenders[1].score) >= options.content;
 }
 
 // The best contender, then those that contradict it and each other and nearly reach it, by falling score.
@@ -132,11 +136,15 @@ std::vector<Blended> blend(const Pair& pair, const PatchSettings& settings, cons
             },
             monitor, "blend", monitor.fraction(), monitor.fraction());
     };
-    complete_cores(0, std::min<std::size_t>(2, cores.size()));
-    if (cores.size() > 2 && !settled(contenders, settings.blend)) complete_cores(2, cores.size());
-    contenders.erase(std::remove_if(contenders.begin(), contenders.end(),
-                                    [](const Contender& c) { return c.completion == nullptr; }),
-                     contenders.end());
+    constexpr std::size_t strongest = 2;
+    complete_cores(0, std::min(strongest, cores.size()));
+    if (cores.size() > strongest) {
+        if (settled(contenders, settings.blend)) {
+            contenders.resize(strongest);
+        } else {
+            complete_cores(strongest, cores.size());
+        }
+    }
     monitor.report("blend", middle);
     const std::vector<std::size_t> ranked = rank(contenders, settings.blend);
     std::vector<Blended> result(std::max<std::size_t>(1, ranked.size()));

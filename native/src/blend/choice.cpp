@@ -5,8 +5,9 @@
 #include <cmath>
 #include <optional>
 
-#include <Eigen/Geometry>
-#include <Eigen/SVD>
+#include <Eigen/Core>
+
+#include "base/rotation.h"
 
 namespace isograft {
 
@@ -35,11 +36,7 @@ std::optional<double> rigid_residual(const Pair& pair, const PartialMap& map, in
     }
     p.colwise() -= p.rowwise().mean().eval();
     q.colwise() -= q.rowwise().mean().eval();
-    const Eigen::Matrix3d covariance = p * q.transpose();
-    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    Eigen::Matrix3d flip = Eigen::Matrix3d::Identity();
-    flip(2, 2) = (svd.matrixV() * svd.matrixU().transpose()).determinant() < 0.0 ? -1.0 : 1.0;
-    const Eigen::Matrix3d rotation = svd.matrixV() * flip * svd.matrixU().transpose();
+    const Eigen::Matrix3d rotation = rotation_of(p * q.transpose());
     return std::sqrt((rotation * p - q).squaredNorm() / std::max(1e-300, p.squaredNorm()));
 }
 

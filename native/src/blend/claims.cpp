@@ -78,12 +78,10 @@ std::vector<std::vector<double>> Completion::claims(const std::vector<int>& vaca
     }
     const std::vector<Candidate> all = challengers(vacant);
     trials_.prepare(seeds_of(all), threads(), progress.until(1.0));
-    for (std::size_t i = 0; i < all.size(); ++i) {
-        const Trial& trial = trials_.of(all[i].seed, grower_);
-        if (static_cast<int>(trial.held.size()) < settings_.seed.probe_size / 3 || trial.misfit > 0.6) continue;
-        own_.push_back(std::make_shared<const Patch>(Patch{to_map(trial, all[i].seed, pair_), trial.quality, 0.0}));
-        patches_.push_back(own_.back().get());
-        weights_.push_back(0.0);
+    for (const Candidate& challenger : all) {
+        const Trial& trial = trials_.of(challenger.seed, grower_);
+        if (failed(trial)) continue;
+        adopt(trial, challenger.seed, 0.0);
         speak(patches_.size() - 1, lands, index, says);
     }
     return claims_of(index, says);

@@ -150,10 +150,19 @@ std::vector<Completion::Candidate> Completion::candidates() const {
     return best_of(std::move(all), static_cast<std::size_t>(settings_.seed.probes / 2));
 }
 
+bool Completion::failed(const Trial& trial) const {
+    return static_cast<int>(trial.held.size()) < settings_.seed.probe_size / 3 || trial.misfit > 0.6;
+}
+
+void Completion::adopt(const Trial& trial, const TrialSeed& seed, double weight) {
+    own_.push_back(std::make_shared<const Patch>(Patch{to_map(trial, seed, pair_), trial.quality, weight}));
+    patches_.push_back(own_.back().get());
+    weights_.push_back(weight);
+}
+
 void Completion::try_candidate(const TrialSeed& seed) {
     const Trial& trial = trials_.of(seed, grower_);
-    const int count = static_cast<int>(trial.held.size());
-    if (count < settings_.seed.probe_size / 3 || trial.misfit > 0.6) return;
+    if (failed(trial)) return;
     double incompatible = 0.0;
     double agree = 0.0;
     int overlap = 0;
@@ -163,14 +172,10 @@ void Completion::try_candidate(const TrialSeed& seed) {
         ++overlap;
         if ((h.position - map_.position[h.sample]).norm() < settings_.blend.agreement_radius) agree += 1.0;
     }
-    incompatible /= count;
+    incompatible /= static_cast<double>(trial.held.size());
     if (incompatible > patch_strictness * settings_.blend.max_incompatibility) return;
     if (overlap > 3 && agree < settings_.blend.min_agreement * overlap) return;
-    Patch patch{to_map(trial, seed, pair_), trial.quality,
-                std::exp(-2.0 * trial.misfit - 10.0 * incompatible) * (overlap > 3 ? 2.0 : 1.0)};
-    weights_.push_back(patch.weight);
-    own_.push_back(std::make_shared<const Patch>(std::move(patch)));
-    patches_.push_back(own_.back().get());
+    adopt(trial, seed, std::exp(-2.0 * trial.misfit - 10.0 * incompatible) * (overlap > 3 ? 2.0 : 1.0));
 }
 
 bool Completion::second_pass(Piece progress) {

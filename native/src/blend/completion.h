@@ -103,6 +103,9 @@ class Completion {
     [[nodiscard]] static std::vector<TrialSeed> seeds_of(const std::vector<Candidate>& candidates);
     [[nodiscard]] std::vector<Candidate> candidates() const;
     [[nodiscard]] std::vector<char> covered_target() const;
+    [[nodiscard]] bool failed(const Trial& trial) const;
+    /// Make a trial one of the patches.
+    void adopt(const Trial& trial, const TrialSeed& seed, double weight);
     void try_candidate(const TrialSeed& seed);
     [[nodiscard]] std::vector<Candidate> challengers(const std::vector<int>& vacant) const;
     [[nodiscard]] double incompatibility(const PartialMap& map) const;

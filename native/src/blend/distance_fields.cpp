@@ -17,8 +17,6 @@ DistanceField empty_field(int size) {
 
 }  // namespace
 
-SurfacePoint field_centre(const TriangleMesh& mesh, int vertex) { return point_near_vertex(mesh, vertex); }
-
 template <class Measure>
 DistanceFields::Slot DistanceFields::once(Slot& slot, Measure&& measure) {
     {
@@ -51,7 +49,7 @@ std::shared_ptr<const DistanceField> DistanceFields::from_vertex(int vertex, Win
         const TriangleMesh& mesh = pair_.target.mesh;
         DistanceField field = empty_field(mesh.vertex_count());
         field.departure.assign(mesh.vertex_count(), 0.0F);
-        window.run(field_centre(mesh, vertex), everywhere);
+        window.run(point_near_vertex(mesh, vertex), everywhere);
         for (const int v : window.reached()) {
             field.departure[v] = static_cast<float>(window.angle(v));
             field.distance[v] = static_cast<float>(window.distance(v));

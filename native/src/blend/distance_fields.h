@@ -21,9 +21,6 @@ struct DistanceField {
     std::vector<float> departure;
 };
 
-/// The place from which a vertex' field is measured.
-SurfacePoint field_centre(const TriangleMesh& mesh, int vertex);
-
 /// Distance fields over a pair, each measured once: maps that come from different cores, rounds and claims lay their
 /// anchors on much the same places.
 ///
@@ -35,7 +32,8 @@ class DistanceFields {
 
     /// From a sample of S to all its samples. \param window the caller's own, on S. O(#V log #V) at first.
     std::shared_ptr<const DistanceField> from_sample(int sample, Window& window);
-    /// From a vertex of T to all its vertices. \param window the caller's own, on T. O(#V log #V) at first.
+    /// From beside a vertex of T, see point_near_vertex(), to all its vertices. \param window the caller's own, on T.
+    /// O(#V log #V) at first.
     std::shared_ptr<const DistanceField> from_vertex(int vertex, Window& window);
 
     [[nodiscard]] const Pair& pair() const { return pair_; }

@@ -63,7 +63,7 @@ class DriftFinder {
     FeatureOptions options_;
     double spacing_;
     std::vector<std::vector<Near>> around_;
-    // Maps move little from one call to the next. Per source sample; a lock is for every so-manieth of them.
+    // Maps move little from one call to the next. Per source sample; each lock guards every 64th.
     mutable std::vector<Known> known_;
     mutable std::array<std::mutex, 64> locks_;
 };

@@ -104,17 +104,18 @@ class State {
 
     template <class Task>
     void for_each(std::size_t count, Task&& task) {
-        const auto run = [&](std::size_t begin) {
-            for (std::size_t i = begin; i < std::min(count, begin + batch); ++i) task(i);
+        const auto run = [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) task(i);
         };
-        if (threads_ == 1 || count < 4 * batch) {
-            for (std::size_t begin = 0; begin < count; begin += batch) run(begin);
-            return;
-        }
+        if (threads_ == 1 || count < 4 * batch) return run(0, count);
         Monitor silent;
         parallel_for(
             static_cast<int>((count + batch - 1) / batch), threads_,
-            [&](int i, int /*worker*/) { run(static_cast<std::size_t>(i) * batch); }, silent);
+            [&](int i, int /*worker*/) {
+                const std::size_t begin = static_cast<std::size_t>(i) * batch;
+                run(begin, std::min(count, begin + batch));
+            },
+            silent);
     }
 
     void find_edges(const PartialMap& map) {

@@ -9,10 +9,10 @@
 #include <Eigen/Geometry>
 #include <Eigen/SparseCholesky>
 
+#include "base/rotation.h"
 #include "isograft/errors.h"
 #include "transfer/checks.h"
 #include "transfer/laplacian.h"
-#include "transfer/moments.h"
 #include "transfer/seams.h"
 #include "transfer/vertex_graph.h"
 

@@ -12,6 +12,7 @@
 #include <Eigen/Geometry>
 
 #include "base/parallel.h"
+#include "base/rotation.h"
 #include "isograft/errors.h"
 #include "transfer/checks.h"
 #include "transfer/donor_view.h"

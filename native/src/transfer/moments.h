@@ -19,7 +19,4 @@ struct Moments {
     [[nodiscard]] bool usable() const { return receiver > 0.0 && donor > 0.0; }
 };
 
-/// The rotation R for which the sum of |R d - e|^2 over donor vectors d and receiver vectors e is least (Kabsch 1976).
-Eigen::Matrix3d rotation_of(const Eigen::Matrix3d& product);
-
 }  // namespace isograft

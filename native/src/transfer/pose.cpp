@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/SparseCholesky>
 
+#include "base/rotation.h"
 #include "transfer/laplacian.h"
 #include "transfer/regions.h"
 

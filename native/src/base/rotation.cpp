@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "transfer/moments.h"
+#include "base/rotation.h"
 
 #include <Eigen/LU>
 #include <Eigen/SVD>
