@@ -11,47 +11,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from isograft.cli import main
 from isograft.correspondence import Correspondence
 from isograft.files import read_mesh
 from isograft.formats.images import read_image, write_image
 from isograft.transfer import Channel, bake, invert, transfer_corner_uv
-from seamed_shapes import COARSE, DONORS, SHAPES, closest_points
-
-
-def save(path: Path, shape, uvs: bool = True, colors: bool = False, quads: bool = False) -> None:
-    vertices, faces, uv = shape
-    rows = vertices.tolist()
-    shade = (0.5 + 0.5 * vertices / np.abs(vertices).max()).tolist()
-    numbers = [row + (shade[i] if colors else []) for i, row in enumerate(rows)]
-    lines = ["v " + " ".join(map(repr, row)) for row in numbers]
-    if uvs:
-        lines += [f"vt {u!r} {v!r}" for u, v in uv.reshape(-1, 2).tolist()]
-    for f, face in enumerate(faces.tolist()):
-        corners = [f"{v + 1}/{3 * f + c + 1}" if uvs else f"{v + 1}" for c, v in enumerate(face)]
-        if quads and f % 2:
-            continue
-        if quads:
-            other = faces[f + 1].tolist()
-            corners.append(f"{other[2] + 1}/{3 * f + 6}" if uvs else f"{other[2] + 1}")
-        lines.append("f " + " ".join(corners))
-    path.write_text("\n".join(lines) + "\n")
-
-
-def save_map(path: Path, receiver, donor) -> None:
-    face, weights = closest_points(receiver[0], *donor[:2])
-    corners = donor[1][face]
-    Correspondence(
-        face=face.astype(np.int32),
-        barycentric=weights,
-        points=(weights[:, :, None] * donor[0][corners]).sum(axis=1),
-        vertex=corners[np.arange(len(face)), weights.argmax(axis=1)].astype(np.int32),
-        confidence=np.ones(len(face)),
-        stretch=np.zeros(len(face)),
-        region=np.zeros(len(face), np.int32),
-        corners=corners.astype(np.int32),
-        target_size=len(donor[0]),
-    ).save(path)
+from seamed_shapes import COARSE, DONORS, SHAPES
+from transfer_files import run, save, save_map, spoil_map
 
 
 @pytest.fixture(scope="module")
@@ -72,11 +37,6 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def folder(made: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(made, tmp_path / "files"))
-
-
-def run(folder: Path, receiver: str, *options: str, out: str = "out.obj", map_name: str = "map.npz") -> int:
-    names = [str(folder / name) for name in (receiver, "donor.obj", map_name)]
-    return main(["transfer", *names, "-o", str(folder / out), *options])
 
 
 @pytest.mark.parametrize("out", ["out.obj", "out.ply"])
@@ -176,15 +136,6 @@ def test_a_map_of_the_other_direction_serves_too(folder: Path, capsys: pytest.Ca
     np.testing.assert_allclose(read_mesh(folder / "out.obj").colors[turned.matched], expected, rtol=0, atol=1e-5)
 
 
-def spoil_map(folder: Path, lost) -> None:
-    arrays = dict(np.load(folder / "map.npz"))
-    for array in arrays.values():
-        if array.ndim and len(array) == len(arrays["face"]):
-            array[lost] = np.nan if array.dtype.kind == "f" else -1
-    arrays["confidence"][lost] = 0.0
-    np.savez(folder / "map.npz", **arrays)
-
-
 def test_what_is_unmatched_is_left_alone_or_filled_and_marked(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     spoil_map(folder, np.arange(20, 23))
     assert run(folder, "bare.obj", "--what", "uv,color", out="out.ply") == 0
@@ -207,7 +158,10 @@ def test_an_empty_map_is_told_by_the_exit_code(folder: Path, capsys: pytest.Capt
 
 
 REFUSALS = [
-    (["--what", "uv,hair"], "must name some of uv, color, texture, shape, not hair"),
+    (
+        ["--what", "uv,hair"],
+        "must name some of uv, color, texture, attributes, weights, keys, normals, shape, not hair",
+    ),
     (["--what", ""], "not nothing"),
     (["--what", "shape,uv"], "shape stands alone"),
     (["--what", "uv", "--texture", "image.npy"], "--texture is given and texture is not in --what"),

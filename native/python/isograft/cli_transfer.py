@@ -10,15 +10,18 @@ from pathlib import Path
 from typing import Any
 
 from isograft import grafting
+from isograft.cli_layers import add_layer_options, layer_options, open_layers
 from isograft.cli_outcome import NOTHING_MATCHED, OK, BadInput, ProgressLine, check_output, open_mesh
 from isograft.correspondence import Correspondence
 from isograft.errors import InvalidInput
 from isograft.files import MAP_SUFFIXES, MESH_SUFFIXES, MeshFile, read_map
 from isograft.formats.images import check_images, read_image, write_image
+from isograft.formats.layers import write_layers
 from isograft.formats.mesh_output import write_mtl, write_obj, write_ply_mesh
+from isograft.grafting_layers import LAYERS_OF
 from isograft.transfer import invert
 
-WHAT = ("uv", "color", "texture", "shape")
+WHAT = ("uv", "color", "texture", *LAYERS_OF, "shape")
 OUTPUT_SUFFIXES = (".obj", ".ply")
 
 
@@ -38,8 +41,9 @@ def add_transfer(commands: Any, epilog: str) -> None:
         required=True,
         metavar="KIND,...",
         help="uv (texture coordinates, seams kept), color (of vertices), texture (an image baked into the receiver's "
-        "texture coordinates, which are its own unless uv is asked for too), shape (alone: the donor's vertices and "
-        "polygons in the receiver's shape)",
+        "texture coordinates, which are its own unless uv is asked for too), attributes (of vertices, corners, "
+        "polygons and edges: numbers, booleans, strings), weights (vertex groups), keys (shape keys), normals (custom "
+        "ones of corners), shape (alone: the donor's vertices and polygons in the receiver's shape)",
     )
     parser.add_argument("-o", "--output", metavar="OUT", required=True, help="the mesh to write: .obj or .ply")
     parser.add_argument(
@@ -66,6 +70,7 @@ def add_transfer(commands: Any, epilog: str) -> None:
     parser.add_argument("--threads", type=int, metavar="N", help="default: all cores")
     parser.add_argument("--progress", action="store_true", help="also where standard error is no terminal")
     parser.add_argument("--json", action="store_true", help="print the result as JSON")
+    add_layer_options(parser)
     parser.set_defaults(run=run_transfer)
 
 
@@ -74,6 +79,8 @@ def run_transfer(arguments: argparse.Namespace) -> int:
     check_output(arguments.output, OUTPUT_SUFFIXES)
     source, target = open_mesh(arguments.source), open_mesh(arguments.target)
     _check_meshes(arguments, what, source, target)
+    options = layer_options(arguments, what)
+    data_output = open_layers(arguments, what, source, target, options)
     image_path, texture_output = _images(arguments, what)
     pixels = None if image_path is None else _open_image(image_path)
     progress = ProgressLine() if arguments.progress or sys.stderr.isatty() else None
@@ -89,6 +96,7 @@ def run_transfer(arguments: argparse.Namespace) -> int:
             image=pixels,
             size=arguments.size,
             margin=arguments.margin,
+            layers=options,
             threads=arguments.threads,
             progress=progress,
         )
@@ -97,6 +105,8 @@ def run_transfer(arguments: argparse.Namespace) -> int:
             progress.close()
     # All is computed; now all is written, the mesh last, since it names the others.
     material = None
+    if data_output is not None:
+        write_layers(data_output, result.mesh.layers)
     if result.image is not None:
         write_image(texture_output, result.image)
         material = str(Path(arguments.output).with_suffix(".mtl").name)
@@ -106,11 +116,15 @@ def run_transfer(arguments: argparse.Namespace) -> int:
         write_obj(arguments.output, result.mesh, material)
     else:
         write_ply_mesh(arguments.output, result.mesh)
-    return _report(arguments, correspondence, result, texture_output if result.image is not None else None)
+    written = {"texture": texture_output if result.image is not None else None, "data": data_output}
+    return _report(arguments, correspondence, result, written)
 
 
 def _report(
-    arguments: argparse.Namespace, correspondence: Correspondence, result: grafting.Graft, texture: str | None
+    arguments: argparse.Namespace,
+    correspondence: Correspondence,
+    result: grafting.Graft,
+    written: dict[str, str | None],
 ) -> int:
     code = OK if correspondence.matched.any() else NOTHING_MATCHED
     matched = int(correspondence.matched.sum())
@@ -119,7 +133,7 @@ def _report(
     if arguments.json:
         summary = {
             "output": arguments.output,
-            "texture": texture,
+            **written,
             "vertices": len(correspondence),
             "matched": matched,
             "filled": 0 if result.mesh.filled is None else int(result.mesh.filled.sum()),
@@ -129,8 +143,8 @@ def _report(
         }
         print(json.dumps(summary))
     else:
-        written = arguments.output if texture is None else f"{arguments.output}, {texture}"
-        print(f"{matched} of {len(correspondence)} vertices matched; {result.sentence()}: {written}")
+        names = ", ".join([arguments.output, *(path for path in written.values() if path is not None)])
+        print(f"{matched} of {len(correspondence)} vertices matched; {result.sentence()}: {names}")
     return code
 
 

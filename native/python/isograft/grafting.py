@@ -4,7 +4,9 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,10 +14,13 @@ import numpy.typing as npt
 
 from isograft.correspondence import Correspondence
 from isograft.errors import InvalidInput
+from isograft.formats.layers import FILLED
 from isograft.formats.mesh import MeshFile, Polygons
 from isograft.formats.mesh_output import MeshOutput
+from isograft.grafting_layers import LAYERS_OF, LayerOptions, graft_layers
 from isograft.progress import part_of
 from isograft.transfer import (
+    Baked,
     Channel,
     CutMesh,
     bake,
@@ -69,12 +74,15 @@ def graft(
     image: Array | None = None,
     size: int = 1024,
     margin: int = 16,
+    layers: LayerOptions | None = None,
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> Graft:
-    """Move uv, color, texture, or the shape (alone). `image` is the donor's, for texture.
+    """Move uv, color, texture, attributes, weights, keys, normals, or the shape (alone).
 
-    With `cut_seams` polygons of the receiver that the donor's seams cross are cut along them, into triangles.
+    `image` is the donor's, for texture; `layers` says which attributes, weights and keys, and how. With `cut_seams`
+    polygons of the receiver that the donor's seams cross are cut along them, into triangles; layers of its own are then
+    left out.
 
     Raises:
         InvalidInput: the map does not fit, or the donor's data cannot be used.
@@ -82,17 +90,24 @@ def graft(
     if "shape" in what:
         return _shape(correspondence, receiver, donor, threads, progress)
     counts: dict[str, int] = {}
+    warnings: list[str] = []
     placed: CorrespondenceArrays = correspondence
     if cut_seams:
+        if receiver.layers:
+            warnings.append(f"{receiver.path}: the receiver's own layers are not cut along, and are left out")
         placed, receiver, counts["polygons_cut"] = _cut(
             correspondence, receiver, donor, threads, part_of(progress, 0.0, 0.1)
         )
     progress = part_of(progress, 0.1, 1.0) if cut_seams else progress
+    has_layers = not what.isdisjoint(LAYERS_OF)
+    last = part_of(progress, 0.6, 1.0)
+    progress = part_of(progress, 0.0, 0.6) if has_layers else progress
     polygons = receiver.polygons
     mesh = MeshOutput(
         receiver.vertices, polygons.sizes, polygons.corners, colors=receiver.colors, corner_uvs=receiver.corner_uvs
     )
-    result = Graft(mesh, counts=counts)
+    mesh.layers = receiver.layers
+    result = Graft(mesh, counts=counts, warnings=warnings)
     filled = np.zeros(len(receiver.vertices), bool)
     triangle_uvs = receiver.triangle_uvs
     has_uvs: Array | None = None
@@ -108,34 +123,27 @@ def graft(
         filled |= made_up
         result.counts["vertices_coloured"] = int(((placed.face >= 0) | made_up).sum())
     if "texture" in what and image is not None and triangle_uvs is not None:
-        donor_uvs = _whole(donor, "read an image with")
         usable: Array = np.asarray(np.isfinite(triangle_uvs).all(axis=(1, 2))) if has_uvs is None else has_uvs
-        baked = bake(
-            placed,
-            receiver.vertices,
-            receiver.faces,
-            np.where(usable[:, None, None], triangle_uvs, 0.0),
-            donor.vertices,
-            donor.faces,
-            donor_uvs,
-            Channel(image),
-            size,
-            receiver_mask=usable,
-            margin=margin,
-            fill=fill,
-            threads=threads,
-            progress=part_of(progress, 0.3, 1.0),
+        bench = partial(
+            bake, size=size, margin=margin, fill=fill, threads=threads, progress=part_of(progress, 0.3, 1.0)
         )
+        baked = _bake(bench, placed, receiver, donor, image, triangle_uvs, usable)
         result.image = baked.images[0]
         filled[receiver.faces[baked.filled & usable]] = True
         result.counts["texels_baked"] = int((baked.mask == 1).sum())
-        outside = usable & ((triangle_uvs < 0.0) | (triangle_uvs > 1.0)).any(axis=(1, 2))
-        if outside.any():
-            result.warnings.append(
-                f"{int(outside.sum())} triangles of the receiver lie partly outside of the unit square: no texels there"
-            )
+        result.warnings += _beyond_the_square(triangle_uvs, usable)
+    if has_layers:
+        moved = graft_layers(
+            placed, receiver, donor, what, layers or LayerOptions(), fill=fill, threads=threads, progress=last
+        )
+        mesh.layers = moved.layers
+        filled |= moved.filled
+        result.counts.update(moved.counts)
+        result.warnings += moved.warnings
     if fill:
-        mesh.filled = filled
+        before = mesh.layers.point.get(FILLED)
+        mesh.filled = filled if before is None else filled | before.astype(bool)
+        mesh.layers = dataclasses.replace(mesh.layers, point={**mesh.layers.point, FILLED: mesh.filled})
     return result
 
 
@@ -220,6 +228,35 @@ def _uvs(
     return uvs.reshape(-1, 3, 2), mask | made_up, made_up
 
 
+def _bake(
+    run: Callable[..., Baked],
+    correspondence: CorrespondenceArrays,
+    receiver: MeshFile,
+    donor: MeshFile,
+    image: Array,
+    triangle_uvs: Array,
+    usable: Array,
+) -> Baked:
+    return run(
+        correspondence,
+        receiver.vertices,
+        receiver.faces,
+        np.where(usable[:, None, None], triangle_uvs, 0.0),
+        donor.vertices,
+        donor.faces,
+        _whole(donor, "read an image with"),
+        Channel(image),
+        receiver_mask=usable,
+    )
+
+
+def _beyond_the_square(triangle_uvs: Array, usable: Array) -> list[str]:
+    outside = int((usable & ((triangle_uvs < 0.0) | (triangle_uvs > 1.0)).any(axis=(1, 2))).sum())
+    if not outside:
+        return []
+    return [f"{outside} triangles of the receiver lie partly outside of the unit square: no texels there"]
+
+
 def _colors(
     correspondence: CorrespondenceArrays, receiver: MeshFile, donor: MeshFile, fill: bool, progress: Progress | None
 ) -> tuple[Array, npt.NDArray[np.bool_]]:
@@ -255,6 +292,12 @@ def _shape(
     )
     polygons = donor.polygons
     mesh = MeshOutput(
-        wrapped.vertices, polygons.sizes, polygons.corners, donor.colors, donor.corner_uvs, filled=wrapped.filled
+        wrapped.vertices,
+        polygons.sizes,
+        polygons.corners,
+        donor.colors,
+        donor.corner_uvs,
+        filled=wrapped.filled,
+        layers=donor.layers,
     )
     return Graft(mesh, counts={"vertices_placed": int((~wrapped.filled).sum()), "completed": int(wrapped.filled.sum())})

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from isograft.errors import InvalidInput
+from isograft.formats.layers import Layers
 from isograft.surface import Surface
 
 Floats = npt.NDArray[np.float64]
@@ -21,7 +22,8 @@ class Polygons:
 
     `sizes` (p,) counts each polygon's corners, `corners` (c,) holds their vertices one polygon after another.
     `normals` (n, 3) are those of the vertices, of any length. `uvs` (m, 2) is the file's table of texture coordinates,
-    `uv_index` (c,) the row of every corner, -1 for none. `colors` (n, 3 or 4) lie in [0, 1].
+    `uv_index` (c,) the row of every corner, -1 for none. `colors` (n, 3 or 4) lie in [0, 1]. `layers` is whatever else
+    the file holds of vertices, polygons and edges.
     """
 
     vertices: Floats
@@ -31,6 +33,7 @@ class Polygons:
     normals: Floats | None = None
     uvs: Floats | None = None
     uv_index: Ints | None = None
+    layers: Layers = field(default_factory=Layers)
     warnings: list[str] = field(default_factory=list)
 
 
@@ -73,6 +76,11 @@ class MeshFile:
         """(k, 3, 2) texture coordinates of the triangles' corners, NaN where there are none; or None."""
         uvs = self.corner_uvs
         return None if uvs is None else uvs[self.triangle_corners]
+
+    @property
+    def layers(self) -> Layers:
+        """Attributes, vertex groups, shape keys and custom normals; none in most files."""
+        return self.polygons.layers
 
     @property
     def warnings(self) -> list[str]:

@@ -1,16 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Meshes written as OBJ or binary PLY: polygons as they were, colours, texture coordinates, marks."""
+"""Meshes written as OBJ or binary PLY: polygons as they were, colours, texture coordinates, marks, layers."""
 
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from isograft.formats.atomic import replacing
+from isograft.formats.layers import FILLED, Layers, Property, ply_properties
 from isograft.formats.mesh import Floats, Ints
+from isograft.formats.ply import KNOWN, KNOWN_OF_EDGES, WEIGHTS
+from isograft.formats.ply_header import CODES
 
 PathLike = str | os.PathLike[str]
 
@@ -28,6 +32,8 @@ class MeshOutput:
     corner_uvs: Floats | None = None
     #: (n,) vertices with values that were made up: the property isograft_filled of a PLY.
     filled: npt.NDArray[np.bool_] | None = None
+    #: What else the mesh carries; a PLY has those of one number a row as properties.
+    layers: Layers = field(default_factory=Layers)
 
 
 def write_obj(path: PathLike, mesh: MeshOutput, material: str | None = None) -> None:
@@ -77,43 +83,73 @@ def write_mtl(path: PathLike, image: str) -> None:
 
 
 def write_ply_mesh(path: PathLike, mesh: MeshOutput) -> None:
-    """Binary: vertices with colours and marks, faces with `texcoord` (0 where a corner has none)."""
-    columns: list[tuple[str, str, npt.NDArray[np.generic]]] = [
-        (axis, "double", mesh.vertices[:, i]) for i, axis in enumerate("xyz")
-    ]
+    """Binary: vertices with colours and marks, faces with `texcoord` (0 where a corner has none), edges that carry
+    something, and all layers of one number a row."""
+    table, header = _vertex_table(mesh)
+    faces, edges = ply_properties(mesh.layers.face, ()), ply_properties(mesh.layers.edge, KNOWN_OF_EDGES)
+    header += [f"element face {len(mesh.sizes)}", "property list uint int vertex_indices"]
+    header += ["property list uint float texcoord"] if mesh.corner_uvs is not None else []
+    header += [f"property {kind} {name}" for name, kind, _ in faces]
+    parts = [table.tobytes(), _face_rows(mesh, faces)]
+    if edges and mesh.layers.edges is not None:
+        columns = [(name, "int", mesh.layers.edges[:, i]) for i, name in enumerate(("vertex1", "vertex2"))] + edges
+        header += [f"element edge {len(mesh.layers.edges)}", *(f"property {kind} {name}" for name, kind, _ in columns)]
+        parts.append(_table(columns).tobytes())
+    with replacing(path) as file:
+        file.write("\n".join(["ply", "format binary_little_endian 1.0", *header, "end_header", ""]).encode())
+        for part in parts:
+            file.write(part)
+
+
+def _vertex_table(mesh: MeshOutput) -> tuple[npt.NDArray[Any], list[str]]:
+    """The rows of the vertices, and the lines of the header about them."""
+    columns: list[Property] = [(axis, "double", mesh.vertices[:, i]) for i, axis in enumerate("xyz")]
     if mesh.colors is not None:
         levels = np.rint(255 * np.clip(mesh.colors, 0, 1)).astype(np.uint8)
         columns += [
             (name, "uchar", levels[:, i]) for i, name in enumerate(("red", "green", "blue", "alpha")[: levels.shape[1]])
         ]
     if mesh.filled is not None:
-        columns.append(("isograft_filled", "uchar", mesh.filled.astype(np.uint8)))
-    codes = {"double": "<f8", "uchar": "<u1"}
-    table = np.empty(len(mesh.vertices), [(name, codes[kind]) for name, kind, _ in columns])
+        columns.append((FILLED, "uchar", mesh.filled.astype(np.uint8)))
+    columns += ply_properties(mesh.layers.point, {*KNOWN, FILLED})
+    columns += ply_properties(mesh.layers.weights, [name for name, _, _ in columns], WEIGHTS)
+    table = _table(columns)
+    return table, [f"element vertex {len(table)}", *(f"property {kind} {name}" for name, kind, _ in columns)]
+
+
+def _table(columns: list[Property]) -> npt.NDArray[Any]:
+    table = np.empty(len(columns[0][2]), [(name, "<" + CODES[kind]) for name, kind, _ in columns])
     for name, _, values in columns:
         table[name] = values
-    header = [
-        "ply", "format binary_little_endian 1.0", f"element vertex {len(table)}",
-        *(f"property {kind} {name}" for name, kind, _ in columns),
-        f"element face {len(mesh.sizes)}", "property list uint int vertex_indices",
-    ]  # fmt: skip
-    starts = np.cumsum(mesh.sizes) - mesh.sizes
-    if mesh.corner_uvs is None:
-        body = np.insert(mesh.corners, starts, mesh.sizes).astype("<i4").tobytes()
-    else:
-        header.append("property list uint float texcoord")
-        uvs = np.nan_to_num(mesh.corner_uvs).astype("<f4")
-        # Per polygon: its size, its corners, twice its size, their coordinates; all of four bytes.
-        words = np.empty(len(mesh.corners) * 3 + 2 * len(mesh.sizes), "<i4")
-        at = 3 * starts + 2 * np.arange(len(mesh.sizes))
-        words[at] = mesh.sizes
-        within = np.arange(len(mesh.corners)) - np.repeat(starts, mesh.sizes)
-        words[np.repeat(at, mesh.sizes) + 1 + within] = mesh.corners
-        words[at + 1 + mesh.sizes] = 2 * mesh.sizes
-        for k in range(2):
-            words[np.repeat(at + 2 + mesh.sizes, mesh.sizes) + 2 * within + k] = uvs[:, k].view("<i4")
-        body = words.tobytes()
-    with replacing(path) as file:
-        file.write("\n".join([*header, "end_header", ""]).encode("ascii"))
-        file.write(table.tobytes())
-        file.write(body)
+    return table
+
+
+def _face_rows(mesh: MeshOutput, properties: list[Property]) -> bytes:
+    """Rows of unlike length, those of polygons of one size at once."""
+    sizes = mesh.sizes.astype(np.int64)
+    starts = np.cumsum(sizes) - sizes
+    more = [(f"p{i}", "<" + CODES[kind]) for i, (_, kind, _) in enumerate(properties)]
+    uvs = None if mesh.corner_uvs is None else np.nan_to_num(mesh.corner_uvs)
+
+    def row_of(size: int) -> np.dtype[Any]:
+        lists: list[Any] = [("count", "<u4"), ("corners", "<i4", (size,))]
+        lists += [("uv_count", "<u4"), ("uvs", "<f4", (size, 2))] if uvs is not None else []
+        return np.dtype(lists + more)
+
+    lengths = np.zeros(int(sizes.max(initial=0)) + 1, np.int64)
+    kinds = np.unique(sizes)
+    lengths[kinds] = [row_of(int(size)).itemsize for size in kinds]
+    ends = np.cumsum(lengths[sizes])
+    body = np.empty(int(ends[-1]) if len(ends) else 0, np.uint8)
+    for size in kinds.tolist():
+        which = np.flatnonzero(sizes == size)
+        rows = np.empty(len(which), row_of(size))
+        corners = starts[which, None] + np.arange(size)
+        rows["count"], rows["corners"] = size, mesh.corners[corners]
+        if uvs is not None:
+            rows["uv_count"], rows["uvs"] = 2 * size, uvs[corners]
+        for i, (_, _, values) in enumerate(properties):
+            rows[f"p{i}"] = values[which]
+        at = (ends - lengths[sizes])[which, None] + np.arange(lengths[size])
+        body[at] = rows.view(np.uint8).reshape(len(which), -1)
+    return body.tobytes()

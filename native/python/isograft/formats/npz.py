@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The .npz of a match: the arrays of its correspondences by name, and the report as JSON text."""
+"""Arrays in .npz files; that of a match: the arrays of its correspondences by name, and the report as JSON text."""
 
 from __future__ import annotations
 
@@ -36,8 +36,8 @@ def write_npz(path: PathLike, correspondences: Sequence[Arrays], target_size: in
         np.savez_compressed(file, allow_pickle=False, **arrays)
 
 
-def read_npz(path: PathLike) -> tuple[list[Arrays], int, str | None]:
-    """What write_npz() was given. Raises InvalidInput naming the file and the array that is missing or malformed."""
+def load_arrays(path: PathLike) -> Arrays:
+    """All arrays of an .npz by name. Raises InvalidInput if it is damaged or has objects, OSError if it is missing."""
     with Path(path).open("rb") as raw:
         if not zipfile.is_zipfile(raw):
             raise InvalidInput(f"{path}: not an .npz file, or a truncated one")
@@ -46,6 +46,12 @@ def read_npz(path: PathLike) -> tuple[list[Arrays], int, str | None]:
             arrays = {name: file[name] for name in file.files}
     except (ValueError, EOFError, KeyError, zipfile.BadZipFile, zlib.error, NotImplementedError, MemoryError) as error:
         raise InvalidInput(f"{path}: the file is damaged: {error}") from None
+    return arrays
+
+
+def read_npz(path: PathLike) -> tuple[list[Arrays], int, str | None]:
+    """What write_npz() was given. Raises InvalidInput naming the file and the array that is missing or malformed."""
+    arrays = load_arrays(path)
     size = arrays.get("target_size")
     if size is None or size.shape != () or size.dtype.kind not in "iu":
         raise InvalidInput(f"{path}: not a map of isograft: target_size is missing")

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """PLY, text and binary of both byte orders: vertices, normals, colours, texture coordinates and polygons of any size.
 
-Whatever else a file holds is passed over, wherever it stands.
+Other numbers of vertices, faces and edges are layers; but what is called isograft_... is a mark of a map or of a
+transfer. Whatever else a file holds is passed over, wherever it stands.
 """
 
 from __future__ import annotations
@@ -10,11 +11,21 @@ import numpy as np
 import numpy.typing as npt
 
 from isograft.errors import InvalidInput
+from isograft.formats.layers import Layers
 from isograft.formats.mesh import Floats, Polygons
+from isograft.formats.npz import Arrays
 from isograft.formats.ply_body import BinaryBody, Column, ListColumn, TextBody
 from isograft.formats.ply_header import Element, read_header
 
 _UV_NAMES = (("s", "t"), ("u", "v"), ("texture_u", "texture_v"), ("texture_s", "texture_t"))
+_COLORS = ("red", "green", "blue", "alpha")
+_NORMALS = ("nx", "ny", "nz")
+_ENDS = ("vertex1", "vertex2")
+#: Properties of vertices that have a meaning of their own, and of edges.
+KNOWN = frozenset({*"xyz", *_NORMALS, *_COLORS, *(name for pair in _UV_NAMES for name in pair)})
+KNOWN_OF_EDGES = frozenset(_ENDS)
+#: Begins the names of vertex groups.
+WEIGHTS = "weights/"
 
 
 def read_ply(path: str, data: bytes) -> Polygons:
@@ -25,17 +36,13 @@ def read_ply(path: str, data: bytes) -> Polygons:
         body = TextBody(path, data[header.end :], header.lines)
     else:
         body = BinaryBody(path, data, header.end, header.byte_order)
-    vertex: dict[str, Column] | None = None
-    face: dict[str, Column] = {}
+    found: dict[str, dict[str, Column]] = {}
     for element in header.elements:
         if element.name == "tristrips":
             raise InvalidInput(f"{path}: triangle strips are not supported: save the mesh with faces")
-        columns = body.read(element)
-        if element.name == "vertex":
-            vertex = columns
-        elif element.name == "face":
-            face = columns
-    if vertex is None or any(name not in vertex for name in "xyz"):
+        found[element.name] = body.read(element)
+    vertex, face, edge = (found.get(name, {}) for name in ("vertex", "face", "edge"))
+    if any(name not in vertex for name in "xyz"):
         raise InvalidInput(f"{path}: line {header.lines}: the header names no vertex element with x, y and z")
     vertices = np.stack([_plain(vertex[name], path) for name in "xyz"], axis=1)
     corners = next((face[name] for name in ("vertex_indices", "vertex_index") if name in face), None)
@@ -46,15 +53,52 @@ def read_ply(path: str, data: bytes) -> Polygons:
     else:
         sizes, indices = _indices(corners, len(vertices), path, body)
     polygons = Polygons(vertices=vertices, sizes=sizes, corners=indices, colors=_colors(vertex, header.elements, path))
-    if all(name in vertex for name in ("nx", "ny", "nz")):
-        polygons.normals = np.stack([_plain(vertex[name], path) for name in ("nx", "ny", "nz")], axis=1)
+    if all(name in vertex for name in _NORMALS):
+        polygons.normals = np.stack([_plain(vertex[name], path) for name in _NORMALS], axis=1)
     _add_uvs(polygons, vertex, face, path)
+    polygons.layers = _layers(vertex, face, edge, header.elements)
+    if all(name in edge for name in _ENDS):
+        polygons.layers.edges = _edges(edge, len(vertices), path)
     return polygons
+
+
+def _layers(
+    vertex: dict[str, Column], face: dict[str, Column], edge: dict[str, Column], elements: list[Element]
+) -> Layers:
+    code = {(element.name, p.name): p.code for element in elements for p in element.properties}
+
+    def others(name: str, columns: dict[str, Column], known: frozenset[str]) -> Arrays:
+        # Text is read as floats, and a binary file may be of the other byte order.
+        with np.errstate(invalid="ignore"):
+            return {
+                key: column.astype(code[name, key])
+                for key, column in columns.items()
+                if not isinstance(column, ListColumn) and key not in known and not key.startswith("isograft_")
+            }
+
+    of_vertices = others("vertex", vertex, KNOWN)
+    return Layers(
+        point={name: values for name, values in of_vertices.items() if not name.startswith(WEIGHTS)},
+        weights={name[len(WEIGHTS) :]: values for name, values in of_vertices.items() if name.startswith(WEIGHTS)},
+        face=others("face", face, frozenset()),
+        edge=others("edge", edge, KNOWN_OF_EDGES) if all(name in edge for name in _ENDS) else {},
+    )
+
+
+def _edges(edge: dict[str, Column], vertices: int, path: str) -> npt.NDArray[np.int32]:
+    ends = np.stack([_plain(edge[name], path) for name in _ENDS], axis=1)
+    bad = np.flatnonzero(~((ends >= 0) & (ends < vertices)).all(axis=1))
+    if bad.size:
+        raise InvalidInput(
+            f"{path}: edge {bad[0]} has the ends {ends[bad[0], 0]:g} and {ends[bad[0], 1]:g}, the file has {vertices} "
+            "vertices"
+        )
+    return ends.astype(np.int32)
 
 
 def _plain(column: Column, path: str) -> Floats:
     if isinstance(column, ListColumn):
-        raise InvalidInput(f"{path}: a property of the vertices that should be a number is a list")
+        raise InvalidInput(f"{path}: a property that should be a number is a list")
     return column.astype(np.float64)
 
 
@@ -72,7 +116,7 @@ def _indices(
 
 
 def _colors(vertex: dict[str, Column], elements: list[Element], path: str) -> Floats | None:
-    names = [name for name in ("red", "green", "blue", "alpha") if name in vertex]
+    names = [name for name in _COLORS if name in vertex]
     if names[:3] != ["red", "green", "blue"]:
         return None
     element = next(element for element in elements if element.name == "vertex")

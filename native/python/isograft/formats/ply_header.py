@@ -8,7 +8,8 @@ from dataclasses import dataclass, field
 from isograft.errors import InvalidInput
 from isograft.formats.text import quoted
 
-_CODES = {
+#: numpy's type for every name of one.
+CODES = {
     "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "i2", "int16": "i2", "ushort": "u2",
     "uint16": "u2", "int": "i4", "int32": "i4", "uint": "u4", "uint32": "u4", "float": "f4", "float32": "f4",
     "double": "f8", "float64": "f8",
@@ -54,7 +55,7 @@ def read_header(path: str, data: bytes) -> Header:  # noqa: PLR0912  (one branch
         line, position = _next_line(data, position)
         number += 1
         where = f"{path}: line {number}"
-        words = line.decode("ascii", "replace").split()
+        words = line.decode("utf-8", "replace").split()
         if number == 1:
             if words != ["ply"]:
                 raise InvalidInput(f'{where}: the first line must be "ply", not {quoted(line)}')
@@ -91,10 +92,10 @@ def _next_line(data: bytes, start: int) -> tuple[bytes, int]:
 
 
 def _property(words: list[str], line: bytes, where: str) -> Property:
-    if len(words) == 5 and words[1] == "list" and words[2] in _CODES and words[3] in _CODES:
-        if _CODES[words[2]].startswith("f"):
+    if len(words) == 5 and words[1] == "list" and words[2] in CODES and words[3] in CODES:
+        if CODES[words[2]].startswith("f"):
             raise InvalidInput(f"{where}: the length of a list must be a whole number, not {words[2]}")
-        return Property(words[4], _CODES[words[3]], _CODES[words[2]])
-    if len(words) == 3 and words[1] in _CODES:
-        return Property(words[2], _CODES[words[1]])
+        return Property(words[4], CODES[words[3]], CODES[words[2]])
+    if len(words) == 3 and words[1] in CODES:
+        return Property(words[2], CODES[words[1]])
     raise InvalidInput(f"{where}: {quoted(line)} is no property with a known type")

@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Layers by name: which are meant, and what a new one is called."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from fnmatch import fnmatchcase
+
+from isograft.errors import InvalidInput
+
+
+def choose(names: Sequence[str], patterns: str, owner: str) -> list[str]:
+    """Those of `names` that the comma-separated `patterns`, which may hold * and ?, stand for; all if it is empty.
+
+    Raises:
+        InvalidInput: a pattern stands for none; the text begins with `owner`, such as "Body has no UV map".
+    """
+    wanted = [pattern.strip() for pattern in patterns.split(",") if pattern.strip()]
+    if not wanted:
+        return list(names)
+    for pattern in wanted:
+        if not any(fits(name, pattern) for name in names):
+            raise InvalidInput(f"{owner} called {pattern}; it has: {', '.join(names) or 'none'}")
+    return [name for name in names if any(fits(name, pattern) for pattern in wanted)]
+
+
+def fits(name: str, pattern: str) -> bool:
+    """Whether a pattern, which may hold * and ?, stands for a name."""
+    return name == pattern or fnmatchcase(name, pattern)
+
+
+class Names:
+    """Names in use on a receiver."""
+
+    def __init__(self, taken: Iterable[str], overwrite: bool) -> None:
+        self._taken = set(taken)
+        self._overwrite = overwrite
+
+    def claim(self, name: str) -> str:
+        """A free name in Blender's manner, or `name` itself if it may be overwritten; it is then taken."""
+        free, number = name, 0
+        while free in self._taken and not self._overwrite:
+            number += 1
+            free = f"{name}.{number:03d}"
+        self._taken.add(free)
+        return free
