@@ -3,8 +3,10 @@
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, fields
-from fnmatch import fnmatchcase
 from typing import Any, Self, TypeVar
+
+from isograft import names as by_name
+from isograft.errors import InvalidInput
 
 from .bridge import RefusedError, attribute_names
 
@@ -53,37 +55,17 @@ def choose(items: Iterable[Item], names: str, owner: str, kind: str, name_of: Ca
         RefusedError: a name stands for nothing that `owner` has.
     """
     every = list(items)
-    wanted = [name.strip() for name in names.split(",") if name.strip()]
-    if not wanted:
-        return every
-    for pattern in wanted:
-        if not any(_fits(name_of(item), pattern) for item in every):
-            have = ", ".join(name_of(item) for item in every) or "none"
-            raise RefusedError(f"{owner} has no {kind} called {pattern}; it has: {have}")
-    return [item for item in every if any(_fits(name_of(item), pattern) for pattern in wanted)]
+    try:
+        found = set(by_name.choose([name_of(item) for item in every], names, f"{owner} has no {kind}"))
+    except InvalidInput as error:
+        raise RefusedError(str(error)) from None
+    return [item for item in every if name_of(item) in found]
 
 
-def _fits(name: str, pattern: str) -> bool:
-    return name == pattern or fnmatchcase(name, pattern)
-
-
-class Names:
+class Names(by_name.Names):
     """Names in use on a receiver."""
-
-    def __init__(self, taken: Iterable[str], overwrite: bool) -> None:
-        self._taken = set(taken)
-        self._overwrite = overwrite
 
     @classmethod
     def of_layers(cls, mesh: Any, overwrite: bool) -> Self:
         """Those of UV maps and attributes, which share one space of names."""
         return cls({layer.name for layer in mesh.uv_layers} | attribute_names(mesh), overwrite)
-
-    def claim(self, name: str) -> str:
-        """A free name in Blender's manner, or `name` itself if it may be overwritten; it is then taken."""
-        free, number = name, 0
-        while free in self._taken and not self._overwrite:
-            number += 1
-            free = f"{name}.{number:03d}"
-        self._taken.add(free)
-        return free

@@ -70,6 +70,8 @@ def test_own_groups_keep_their_weights_and_the_donors_get_a_new_name(weighted: M
     [
         ("REPLACE", 1.0, lambda own, new: new),
         ("REPLACE", 0.25, lambda own, new: 0.75 * own + 0.25 * new),
+        ("MIX", 1.0, lambda own, new: 0.5 * (own + new)),
+        ("MIX", 0.5, lambda own, new: 0.75 * own + 0.25 * new),
         ("ADD", 1.0, lambda own, new: np.clip(own + new, 0, 1)),
         ("SUBTRACT", 1.0, lambda own, new: np.clip(own - new, 0, 1)),
         ("MULTIPLY", 1.0, lambda own, new: own * new),
@@ -154,6 +156,14 @@ def test_the_receiver_moves_with_the_rig_as_the_truth_does() -> None:
     select(donor, receiver)
     bpy.ops.object.isograft_transfer(what={"GROUPS"}, hook_armature=True, overwrite=True)
     assert len(receiver.modifiers) == 1
+
+
+def test_the_armature_is_hooked_up_on_request_only(weighted: MatchedPair) -> None:
+    rig = rigs.add_armature(weighted.donor)
+    graft(weighted)
+    assert not weighted.receiver.modifiers
+    graft(weighted, hook_armature=True, overwrite=True)
+    assert [(item.type, item.object) for item in weighted.receiver.modifiers] == [("ARMATURE", rig)]
 
 
 def test_a_donor_without_groups_or_armature_is_refused(matched: MatchedPair) -> None:

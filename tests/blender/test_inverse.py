@@ -6,7 +6,9 @@ import numpy as np
 import rigs
 import shapes
 from scenes import MatchedPair, add_color, add_uv, select, uvs, values
+from test_attributes import add_custom_normals, give
 from test_refusals import refused
+from textures import atlas, image_at, material, new_image, pixels_of, texture
 
 
 def turned(matched: MatchedPair) -> np.ndarray:
@@ -39,6 +41,57 @@ def test_the_receiver_of_a_match_gives_to_its_donor(matched: MatchedPair) -> Non
     filled = np.any(uv != 0, axis=1)
     same = shapes.uv_cell(uv) == shapes.uv_cell(truth.reshape(-1, 2))
     assert np.median(np.linalg.norm(uv - truth.reshape(-1, 2), axis=1)[filled & same]) < 0.02
+
+
+def test_keys_attributes_materials_and_normals_lead_back_too(matched: MatchedPair) -> None:
+    scan, (directions, _) = matched.receiver, shapes.triangle_sphere()
+    rest, rest_of_scan = shapes.surface_points(directions), matched.truth
+    scan.shape_key_add(name="Basis", from_mix=False)
+    smiling = shapes.pose(rest_of_scan + rigs.smile(rest_of_scan, matched.directions))
+    key = scan.shape_key_add(name="Smile", from_mix=False)
+    key.data.foreach_set("co", smiling.astype(np.float32).ravel())
+    give(scan, "height", "FLOAT", "POINT", "value", matched.directions[:, 2])
+    first = matched.truth[[tuple(polygon.vertices) for polygon in scan.data.polygons]].mean(axis=1)[:, 0]
+    give(scan, "half", "STRING", "FACE", "value", ["right" if x > 0 else "left" for x in first])
+    for name in ("Left", "Right"):
+        scan.data.materials.append(bpy.data.materials.new(name))
+    scan.data.polygons.foreach_set("material_index", (first > 0).astype(np.int32))
+    add_custom_normals(scan, (0.0, 0.0, 0.7))
+    select(scan, matched.donor)
+    what = {"KEYS", "ATTRIBUTES", "MATERIALS", "NORMALS"}
+    assert bpy.ops.object.isograft_transfer(what=what) == {"FINISHED"}
+    found = np.empty(3 * len(directions), dtype=np.float32)
+    matched.donor.data.shape_keys.key_blocks["Smile"].data.foreach_get("co", found)
+    moved, truth = found.reshape(-1, 3) - rest, rigs.smile(rest, directions)
+    ok = (values(matched.donor, "height", "value") != 0) & (np.linalg.norm(truth, axis=1) > 0.02)
+    assert ok.sum() > 100
+    assert np.sqrt(((moved - truth)[ok] ** 2).sum() / (truth[ok] ** 2).sum()) < 0.25
+    height = values(matched.donor, "height", "value")
+    assert np.median(np.abs(height - directions[:, 2])[height != 0]) < 0.02
+    middle = np.array([tuple(polygon.center) for polygon in matched.donor.data.polygons])[:, 0]
+    words = [element.value for element in matched.donor.data.attributes["half"].data]
+    words = np.array([word.decode() if isinstance(word, bytes) else word for word in words])
+    clear = (words != "") & (np.abs(middle) > 0.1)
+    assert clear.mean() > 0.5
+    assert np.mean((words == "right")[clear] == (middle > 0)[clear]) > 0.97
+    index = np.array([polygon.material_index for polygon in matched.donor.data.polygons])
+    names = np.array([made.name if made else "" for made in matched.donor.data.materials])[index]
+    assert np.mean((names == "Right")[clear] == (middle > 0)[clear]) > 0.97
+    assert matched.donor.data.has_custom_normals
+
+
+def test_an_image_leads_back_too(matched: MatchedPair) -> None:
+    turned(matched)
+    made, shader = material("Skin")
+    texture(made, new_image("Scanned", atlas(64)), shader.inputs["Base Color"])
+    matched.receiver.data.materials.append(made)
+    select(matched.receiver, matched.donor)
+    assert bpy.ops.object.isograft_bake(size=64, margin=0, uv_map="Atlas") == {"FINISHED"}
+    image = pixels_of(image_at(matched.donor.data.materials[-1], "Base Color"))
+    painted = image[..., :3].any(axis=2)
+    assert painted.mean() > 0.1
+    error = np.abs(image - atlas(64))[painted][:, :3]
+    assert np.median(error) < 0.03
 
 
 def test_modifiers_of_the_scan_do_no_harm_to_the_way_back(matched: MatchedPair) -> None:

@@ -11,6 +11,8 @@ import shapes
 from scenes import QUICK, MatchedPair, Pair, add_mesh, select, values
 from test_refusals import refused
 
+HAS_LOCKS = "lock_shape" in bpy.types.ShapeKey.bl_rna.properties
+
 
 @pytest.fixture
 def keyed(matched: MatchedPair) -> MatchedPair:
@@ -140,6 +142,21 @@ def test_own_keys_are_respected_unless_overwriting_is_asked_for(keyed: MatchedPa
     assert len(keyed.receiver.data.shape_keys.key_blocks) == 3
     assert np.allclose(points(keyed.receiver, "Smile")[ok], points(keyed.receiver, "Smile.001")[ok], atol=1e-6)
     assert np.array_equal(points(keyed.receiver, "Smile")[~ok], mine[~ok])
+
+
+@pytest.mark.skipif(not HAS_LOCKS, reason="this Blender cannot lock shape keys")
+def test_locked_keys_are_never_overwritten(keyed: MatchedPair) -> None:
+    keyed.receiver.shape_key_add(name="Basis", from_mix=False)
+    for name in ("Smile", "Frown"):
+        keyed.receiver.shape_key_add(name=name, from_mix=False).data[0].co.x += 5
+    blocks = keyed.receiver.data.shape_keys.key_blocks
+    blocks["Smile"].lock_shape = True
+    mine = {name: points(keyed.receiver, name) for name in ("Smile", "Frown")}
+    graft(keyed, overwrite=True)
+    assert list(blocks.keys()) == ["Basis", "Smile", "Frown", "Smile.001"]
+    assert np.array_equal(points(keyed.receiver, "Smile"), mine["Smile"])
+    assert not np.array_equal(points(keyed.receiver, "Frown"), mine["Frown"])
+    assert blocks["Smile"].lock_shape
 
 
 def test_a_receiver_of_another_size_gets_displacements_of_its_size(pair: Pair) -> None:

@@ -92,6 +92,24 @@ def test_unmatched_areas_are_filled_only_on_request_and_marked(matched: MatchedP
     assert np.all(np.any(uvs(matched.receiver, "Atlas") != 0, axis=1))
 
 
+def test_marks_of_several_transfers_add_up(matched: MatchedPair) -> None:
+    first = unmatch(matched, matched.directions @ np.array([-0.7, 0.6, 0.39]) > 0.93)
+    face = values(matched.receiver, "isograft_face", "value")
+    graft(matched, what={"COLOR"}, color_names="Paint", fill=True)
+    filled = values(matched.receiver, "isograft_filled", "value").astype(bool)
+    assert np.array_equal(filled, first)
+    # Where the first one had to fill, the second one need not, and the other way round.
+    given = np.where(first, 0, face).astype(np.int32)
+    given[matched.directions @ np.array([0.0, 0.9, 0.44]) > 0.93] = -1
+    matched.receiver.data.attributes["isograft_face"].data.foreach_set("value", given)
+    weights = np.where(first[:, None], 1 / 3, values(matched.receiver, "isograft_weights", "vector", 3))
+    matched.receiver.data.attributes["isograft_weights"].data.foreach_set("vector", weights.astype(np.float32).ravel())
+    graft(matched, what={"COLOR"}, color_names="Paint", fill=True, overwrite=True)
+    both = values(matched.receiver, "isograft_filled", "value").astype(bool)
+    assert np.array_equal(both, first | (given < 0))
+    assert both.sum() > filled.sum()
+
+
 def test_faces_are_filled_with_what_lies_nearest(matched: MatchedPair) -> None:
     first = np.array([polygon.center.x for polygon in matched.donor.data.polygons])
     matched.donor.data.attributes.new("piece", "INT", "FACE")

@@ -74,3 +74,9 @@ def test_one_undo_takes_a_transfer_with_its_cuts_back_and_keeps_the_match(seen: 
 def test_one_undo_takes_a_bake_into_a_new_unwrap_back(seen: dict[str, Any]) -> None:
     assert seen["baked"] == ["Scan baked"]
     assert seen["one_undo_takes_the_bake_back"]
+
+
+def test_one_undo_takes_a_wrap_back(seen: dict[str, Any]) -> None:
+    assert seen["wrapped"] == ["Donor", "Donor on Scan", "Scan"]
+    assert seen["objects_after_undo"] == ["Donor", "Scan"]
+    assert seen["one_undo_takes_the_wrap_back"]

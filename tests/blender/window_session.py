@@ -130,6 +130,19 @@ def bake_and_undo() -> Iterator[float]:
     seen["one_undo_takes_the_bake_back"] = state() == before_bake
 
 
+def wrap_and_undo() -> Iterator[float]:
+    """The donor's mesh onto the scan, and one step back."""
+    before_wrap = state()
+    with bpy.context.temp_override(**view()):
+        bpy.ops.object.isograft_wrap("INVOKE_DEFAULT", True)
+    yield from wait_for_end()
+    seen["wrapped"] = sorted(bpy.data.objects.keys())
+    undo()
+    yield 0.5
+    seen["objects_after_undo"] = sorted(bpy.data.objects.keys())
+    seen["one_undo_takes_the_wrap_back"] = state() == before_wrap
+
+
 def session() -> Iterator[float]:
     view()["area"].spaces.active.show_region_ui = True
     for obj in list(bpy.data.objects):
@@ -184,6 +197,7 @@ def session() -> Iterator[float]:
     yield 0.5
     seen["one_undo_takes_the_transfer_back"] = state() == after_match
     seen["still_matched"] = is_matched()
+    yield from wrap_and_undo()
     yield from bake_and_undo()
 
 
