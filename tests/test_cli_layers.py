@@ -316,6 +316,7 @@ REFUSALS = [
     (["--what", "weights", "--target-data", "donor.obj"], "donor.obj: layers are read from .npz files"),
     (["--what", "weights", "--target-data", "map.npz"], "map.npz: the array target_size is none of point/NAME"),
     (["--what", "weights", "--source-data", "all.npz"], "all.npz: edges row"),
+    (["--what", "weights", "--target-data", "all.npz", "--locked", "Arm"], "receiver has no vertex group or shape key"),
     (["--what", "weights", "--target-data", "all.npz", "--mix-factor", "2"], "--mix-factor must be from 0 to 1"),
     (["--what", "weights", "--target-data", "all.npz", "--limit-total", "0"], "--limit-total must be at least 1"),
     (["--what", "keys", "--target-data", "all.npz", "--key-scale", "tall"], "global, local or a positive number"),

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
@@ -14,7 +14,7 @@ from isograft.errors import InvalidInput
 from isograft.formats.layers import DOMAINS, FILLED, Layers
 from isograft.formats.mesh import MeshFile
 from isograft.grafting_moves import Moved, Mover
-from isograft.names import Names, choose, fits
+from isograft.names import Names, choose
 from isograft.progress import part_of
 from isograft.transfer import mix_weights, tidy_weights
 from isograft.transfer.arrays import Array, CorrespondenceArrays, Progress
@@ -65,16 +65,14 @@ def choose_layers(what: set[str], donor: MeshFile, options: LayerOptions) -> dic
         InvalidInput: the donor lacks something of `what` (LAYERS_OF), or a name stands for nothing; names its file.
     """
     asked = [kind for kind in LAYERS_OF if kind in what]
+    found = {layer: [n for n in donor.layers.of(layer) if n != FILLED] for kind in asked for layer in LAYERS_OF[kind]}
     for kind in asked:
-        has = any(donor.layers.of(layer) for layer in LAYERS_OF[kind])
+        has = any(found[layer] for layer in LAYERS_OF[kind])
         if not has and not (kind == "normals" and _normals(donor) is not None):
             raise InvalidInput(
                 f"{donor.path}: the donor has no {_WORDS[kind]}; give a file that has with --target-data, or leave "
                 f"{kind} out of --what"
             )
-    found = {layer: [*donor.layers.of(layer)] for kind in asked for layer in LAYERS_OF[kind]}
-    if "point" in found:
-        found["point"] = [name for name in found["point"] if name != FILLED]
     if options.names:
         names = [name for layer in found.values() for name in layer]
         owner = f"{donor.path}: the donor has no {' or '.join(_WORDS[kind] for kind in asked)}"
@@ -101,6 +99,7 @@ def graft_layers(
             text names the file and the layer.
     """
     chosen = choose_layers(what, donor, options)
+    locked = _locked(receiver, options)
     result = LayerGraft(Layers().with_(receiver.layers), np.zeros(len(receiver.vertices), bool))
     if "edge" in chosen and result.layers.edges is None:
         result.layers.edges = edges_of(receiver)
@@ -111,9 +110,9 @@ def graft_layers(
         if kind == "normals":
             _graft_normals(mover, options, result)
         elif kind == "weights":
-            _graft_weights(mover, chosen[kind], options, result)
+            _graft_weights(mover, chosen[kind], locked, options, result)
         elif kind == "keys":
-            _graft_keys(mover, chosen[kind], options, result)
+            _graft_keys(mover, chosen[kind], locked, options, result)
         else:
             _graft_attributes(mover, kind, chosen[kind], options, result)
     return result
@@ -147,40 +146,36 @@ def _graft_attributes(mover: Mover, kind: str, names: list[str], options: LayerO
 
 
 def _beside(moved: Moved, own: Array | None) -> Array:
-    """What came, and the receiver's own values, if they are of that type, where nothing did."""
-    if own is None or own.dtype != moved.values.dtype or own.shape != moved.values.shape:
+    """What came, and the receiver's own values, if they are of that kind, where nothing did."""
+    if own is None or own.dtype.kind != moved.values.dtype.kind or own.shape != moved.values.shape:
         return moved.values
     known = moved.known.reshape(-1, *[1] * (own.ndim - 1))
-    return np.where(known, moved.values, own)
+    both: Array = np.where(known, moved.values, own)
+    return both
 
 
-def _graft_weights(mover: Mover, names: list[str], options: LayerOptions, result: LayerGraft) -> None:
+def _graft_weights(mover: Mover, names: list[str], locked: set[str], options: LayerOptions, result: LayerGraft) -> None:
     own = result.layers.weights
     taken = Names(own, options.overwrite)
     targets = [taken.claim(name) for name in names]
-    locked = np.array([name in _locked(own, options) for name in targets], dtype=bool)
+    held = np.array([name in own and name in locked for name in targets], dtype=bool)
     with _named(f"{mover.donor.path}: weights"):
         moved = mover.move("weights", np.stack([mover.donor.layers.weights[name] for name in names], axis=1))
     before = np.stack([own.get(name, np.zeros(len(moved.known))) for name in targets], axis=1)
     with _named(f"{mover.receiver.path}: weights"):
-        mixed = mix_weights(
-            before, moved.values, mode=options.mix_mode, mix=options.mix, mask=moved.known, locked=locked
-        )
-        tidy = tidy_weights(mixed, normalise=options.normalise, limit=options.limit, locked=locked, mask=moved.known)
-    own.update({name: column for name, column, held in zip(targets, tidy.T, locked, strict=True) if not held})
+        mixed = mix_weights(before, moved.values, mode=options.mix_mode, mix=options.mix, mask=moved.known, locked=held)
+        tidy = tidy_weights(mixed, normalise=options.normalise, limit=options.limit, locked=held, mask=moved.known)
+    own.update({targets[column]: tidy[:, column] for column in np.flatnonzero(~held)})
     result.filled |= moved.filled
-    result.counts["vertex_groups"] = int((~locked).sum())
-    _tell_locked(
-        result, mover.receiver.path, "vertex groups", [n for n, held in zip(targets, locked, strict=True) if held]
-    )
+    result.counts["vertex_groups"] = int((~held).sum())
+    _tell_locked(result, mover.receiver.path, "vertex groups", [targets[column] for column in np.flatnonzero(held)])
 
 
-def _graft_keys(mover: Mover, names: list[str], options: LayerOptions, result: LayerGraft) -> None:
+def _graft_keys(mover: Mover, names: list[str], locked: set[str], options: LayerOptions, result: LayerGraft) -> None:
     own = result.layers.keys
     taken = Names(own, options.overwrite)
     targets = {name: taken.claim(name) for name in names}
-    locked = _locked(own, options)
-    free = [name for name in names if targets[name] not in locked]
+    free = [name for name in names if not (targets[name] in own and targets[name] in locked)]
     if free:
         with _named(f"{mover.donor.path}: keys"):
             moved = mover.keys(
@@ -215,9 +210,10 @@ def _normals(mesh: MeshFile) -> Array | None:
     return mesh.layers.normals
 
 
-def _locked(own: Iterable[str], options: LayerOptions) -> set[str]:
-    patterns = [pattern.strip() for pattern in options.locked.split(",") if pattern.strip()]
-    return {name for pattern in patterns for name in own if fits(name, pattern)}
+def _locked(receiver: MeshFile, options: LayerOptions) -> set[str]:
+    own = [*receiver.layers.weights, *receiver.layers.keys]
+    owner = f"{receiver.path}: the receiver has no vertex group or shape key"
+    return set(choose(own, options.locked, owner)) if options.locked else set()
 
 
 def _tell_locked(result: LayerGraft, path: str, words: str, names: list[str]) -> None:

@@ -19,13 +19,12 @@ def choose(names: Sequence[str], patterns: str, owner: str) -> list[str]:
     if not wanted:
         return list(names)
     for pattern in wanted:
-        if not any(fits(name, pattern) for name in names):
+        if not any(_fits(name, pattern) for name in names):
             raise InvalidInput(f"{owner} called {pattern}; it has: {', '.join(names) or 'none'}")
-    return [name for name in names if any(fits(name, pattern) for pattern in wanted)]
+    return [name for name in names if any(_fits(name, pattern) for pattern in wanted)]
 
 
-def fits(name: str, pattern: str) -> bool:
-    """Whether a pattern, which may hold * and ?, stands for a name."""
+def _fits(name: str, pattern: str) -> bool:
     return name == pattern or fnmatchcase(name, pattern)
 
 
