@@ -13,6 +13,7 @@ from seamed_shapes import (
     DONORS,
     RECEIVERS,
     SHAPES,
+    closest_points,
     correspondence_of,
     cylinder,
     identity_map,
@@ -171,6 +172,23 @@ def test_islands_that_lie_on_each_other_are_told_apart_on_the_surface(mirrored):
     moved = move_uv(correspondence, receiver, (*donor[:2], onto))
     np.testing.assert_array_equal(moved.island, apart.island)
     np.testing.assert_allclose(moved.uv, overlap(apart.uv, np.repeat(apart.island, 3)), rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize("off", [1e-4, 0.004, 0.02])
+def test_a_splinter_at_the_border_leads_beyond_it_as_the_triangle_behind(off):
+    """A polygon with three corners in line on a seam leaves a triangle that is thin, and whose UVs are in line."""
+    left = np.array([[-2.0, 0, 0], [0, 0, 0], [off, 1, 0.5 * off], [0, 2, 0], [-2, 2, 0]])
+    right = np.array([[2.0, 0, 0], [2, 2, 0]])
+    vertices = np.concatenate([left, right])
+    faces = np.array([[1, 2, 3], [0, 1, 3], [0, 3, 4], [1, 5, 2], [5, 6, 2], [2, 6, 3]], np.int32)
+    flat = np.where(np.arange(len(vertices))[:, None] == 2, [0.0, 1.1], vertices[:, :2])
+    uv = flat[faces]
+    uv[3:] += [10.0, 0.0]
+    receiver = np.array([[-1.5, 0.4, 0.0], [0.4, 1.3, 0.0], [-1.5, 1.6, 0.0]])
+    face, weights = closest_points(receiver, vertices, faces)
+    map_ = SimpleNamespace(face=face, barycentric=weights, vertex=faces[face, weights.argmax(axis=1)])
+    moved = move_uv(map_, (receiver, np.array([[0, 1, 2]], np.int32)), (vertices, faces, uv))
+    np.testing.assert_allclose(moved.uv, receiver[:, :2], rtol=0, atol=0.05)
 
 
 def test_polygons_are_never_parted_by_a_seam():

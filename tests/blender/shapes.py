@@ -92,21 +92,48 @@ def quad_sphere(steps: int = 18) -> tuple[Array, Array]:
     return _welded(np.array(points), np.array(quads))
 
 
+def hexagon_sphere(steps: int = 18) -> tuple[Array, Array]:
+    """The quads of quad_sphere(), of an even number of steps, two by two as hexagons that lie in one side each."""
+    directions, quads = quad_sphere(steps)
+    a, b = quads[0::2].T, quads[1::2].T
+    # The quads of every other side wind the other way round.
+    ahead = np.stack([a[0], a[1], a[2], b[2], b[3], a[3]], axis=1)
+    back = np.stack([a[0], b[0], b[1], a[1], a[2], a[3]], axis=1)
+    turned = (np.arange(len(ahead)) // (steps * steps // 2)) % 2 == 0
+    return directions, np.where(turned[:, None], back, ahead)
+
+
 def cube_uv(directions: Array) -> tuple[Array, Array]:
     """UVs of faces given the directions of their corners (f, c, 3): six islands, one per side of a cube.
 
     Every island fills the middle 60 % of its cell of a 3 by 2 grid. Returns (f, c, 2) and the island (f,).
     """
+    island = sides_of(directions)
+    axis, side = np.divmod(island, 2)
+    cell = np.stack([axis, side], axis=1)
+    return (cell[:, None] + _on_side(directions, axis)) / np.array([3.0, 2.0]), island
+
+
+def sides_of(directions: Array) -> Array:
+    """(f,) the side of a cube, 0 to 5, that each face (f, c, 3) lies on by its centre."""
     centre = directions.mean(axis=1)
     axis = np.abs(centre).argmax(axis=1)
-    rows = np.arange(len(axis))
-    side = (centre[rows, axis] > 0).astype(int)
-    along = directions / np.abs(directions[rows, :, axis])[:, :, None]
+    return np.asarray(2 * axis + (centre[np.arange(len(axis)), axis] > 0))
+
+
+def stacked_uv(directions: Array, island: Array) -> Array:
+    """UVs (f, c, 2) of faces (f, c, 3) on the sides (f,): six islands one upon the other, every other one mirrored."""
+    inside = _on_side(directions, island // 2)
+    mirrored = inside * np.array([-1.0, 1.0]) + np.array([1.0, 0.0])
+    return np.where((island % 2 == 1)[:, None, None], mirrored, inside)
+
+
+def _on_side(directions: Array, axis: Array) -> Array:
+    """(f, c, 2) where corners (f, c, 3) lie on the side across an axis (f,), which fills [0.25, 0.75]."""
+    along = directions / np.maximum(np.abs(directions[np.arange(len(axis)), :, axis]), 1e-9)[:, :, None]
     first = np.take_along_axis(along, ((axis + 1) % 3)[:, None, None], axis=2)[..., 0]
     second = np.take_along_axis(along, ((axis + 2) % 3)[:, None, None], axis=2)[..., 0]
-    cell = np.stack([axis, side], axis=1)
-    inside = 0.5 + 0.25 * np.clip(np.stack([first, second], axis=2), -1.2, 1.2)
-    return (cell[:, None] + inside) / np.array([3.0, 2.0]), 2 * axis + side
+    return 0.5 + 0.25 * np.clip(np.stack([first, second], axis=2), -1.2, 1.2)
 
 
 def uv_cell(uv: Array) -> Array:

@@ -25,7 +25,13 @@ constexpr double detour = 1.5;
 constexpr double edge_margin = 0.2;
 // A corner this close to 0 in barycentric coordinates may belong to the neighbour as well.
 constexpr double on_edge = 1e-9;
-// Triangles thinner than this (height over longest edge) are not extended: their plane is noise.
+// Triangles thinner than this (height over longest edge) are extended in the plane of the one behind them: the
+// splinters that polygons leave where three of their corners are in line may have values in line, which say nothing
+// about beyond.
+constexpr double thick = 0.1;
+// Splinters behind one another that are looked behind.
+constexpr int most_splinters = 4;
+// Triangles thinner than this are not extended at all: their plane is noise.
 constexpr double thinnest = 1e-3;
 
 }  // namespace
@@ -187,7 +193,7 @@ PatchReader::Reading PatchReader::nearest(const Vector3d& p) const {
 
 Place PatchReader::place(const Image& image, const Reading& reading) const {
     const int face = nodes_[reading.node].face;
-    if (reading.distance > donor_.same_point) return {face, extend(reading, image.point)};
+    if (reading.distance > donor_.same_point) return extend(reading, image.point);
     if (!visible(nodes_[slot_[image.face]])) return {face, reading.weights};
     // One place for every polygon that shares the corner, wherever the branch is the same.
     const Eigen::RowVectorXd here = donor_.value(face, reading.weights);
@@ -217,29 +223,64 @@ void PatchReader::find_hinge(Reading& reading, const Vector3d& offset) const {
     }
 }
 
-Vector3d PatchReader::extend(const Reading& reading, const Vector3d& p) const {
-    const int face = nodes_[reading.node].face;
+double PatchReader::thickness(int face) const {
     const Vector3d a = donor_.corner(face, 0), b = donor_.corner(face, 1), c = donor_.corner(face, 2);
     const double longest = donor_.longest_edge[face];
-    const double area = (b - a).cross(c - a).norm();
-    if (extrapolation_ <= 0.0 || area < thinnest * longest * longest) return reading.weights;
+    return longest > 0.0 ? (b - a).cross(c - a).norm() / (longest * longest) : 0.0;
+}
+
+int PatchReader::behind(int face, int hinge) const {
+    const auto& graph = donor_.graph;
+    for (int step = 0; step < most_splinters; ++step) {
+        int across = -1;
+        double longest = 0.0;
+        for (int c = 0; c < 3; ++c) {
+            const double length = (donor_.corner(face, (c + 1) % 3) - donor_.corner(face, c)).norm();
+            if (c == hinge || length <= longest || is_border(3 * face + c)) continue;
+            across = 3 * face + c;
+            longest = length;
+        }
+        if (across < 0) return -1;
+        int other = graph.next[across];
+        while (graph.side[other] != graph.side[across]) other = graph.next[other];
+        face = other / 3;
+        hinge = other % 3;
+        if (thickness(face) >= thick) return other;
+    }
+    return -1;
+}
+
+Place PatchReader::extend(const Reading& reading, const Vector3d& p) const {
+    int face = nodes_[reading.node].face, hinge = reading.hinge;
+    Vector3d weights = reading.weights;
+    if (extrapolation_ <= 0.0) return {face, weights};
+    if (thickness(face) < thick) {
+        if (const int other = behind(face, hinge); other >= 0) {
+            face = other / 3;
+            hinge = other % 3;
+            weights = donor_.closest(face, p);
+        } else if (thickness(face) < thinnest) {
+            return {face, weights};
+        }
+    }
+    const Vector3d a = donor_.corner(face, 0), b = donor_.corner(face, 1), c = donor_.corner(face, 2);
     const Vector3d normal = donor_.normal.row(face).transpose();
-    const Vector3d from = donor_.point(face, reading.weights);
+    const Vector3d from = donor_.point(face, weights);
     const Vector3d offset = p - from;
     Vector3d move = offset - offset.dot(normal) * normal;
-    if (reading.hinge >= 0) {
+    if (hinge >= 0) {
         // As if what lies behind the border were folded flat about it.
-        const Vector3d start = donor_.corner(face, reading.hinge);
-        const Vector3d along = (donor_.corner(face, (reading.hinge + 1) % 3) - start).normalized();
-        const Vector3d inward = donor_.corner(face, (reading.hinge + 2) % 3) - start;
+        const Vector3d start = donor_.corner(face, hinge);
+        const Vector3d along = (donor_.corner(face, (hinge + 1) % 3) - start).normalized();
+        const Vector3d inward = donor_.corner(face, (hinge + 2) % 3) - start;
         const Vector3d out = (inward.dot(along) * along - inward).normalized();
         const double slide = offset.dot(along);
         move = slide * along + (offset - slide * along).norm() * out;
     } else if (move.norm() < 0.2 * offset.norm()) {
-        return reading.weights;
+        return {face, weights};
     }
-    const double step = std::min(offset.norm(), extrapolation_ * longest);
-    return plane_weights(from + step * move.stableNormalized(), a, b, c);
+    const double step = std::min(offset.norm(), extrapolation_ * donor_.longest_edge[face]);
+    return {face, plane_weights(from + step * move.stableNormalized(), a, b, c)};
 }
 
 }  // namespace isograft

@@ -60,7 +60,11 @@ class PatchReader {
     [[nodiscard]] Place place(const Image& image, const Reading& reading) const;
     void find_hinge(Reading& reading, const Eigen::Vector3d& offset) const;
     [[nodiscard]] bool is_border(int half_edge) const;
-    [[nodiscard]] Eigen::Vector3d extend(const Reading& reading, const Eigen::Vector3d& p) const;
+    [[nodiscard]] Place extend(const Reading& reading, const Eigen::Vector3d& p) const;
+    // Height over longest edge.
+    [[nodiscard]] double thickness(int face) const;
+    // A half-edge of the first thick triangle behind a thin one with that hinge, towards it; -1 if there is none.
+    [[nodiscard]] int behind(int face, int hinge) const;
 
     const DonorView& donor_;
     double extrapolation_;
