@@ -14,7 +14,7 @@ import pytest
 from isograft.correspondence import Correspondence
 from isograft.files import read_mesh
 from isograft.formats.images import read_image, write_image
-from isograft.transfer import Channel, bake, invert, transfer_corner_uv
+from isograft.transfer import Channel, bake, invert, transfer_corner_uv, wrap
 from seamed_shapes import COARSE, DONORS, SHAPES
 from transfer_files import run, save, save_map, spoil_map
 
@@ -121,6 +121,21 @@ def test_shape_writes_the_donors_polygons_in_the_receivers_place(folder: Path) -
     # The receiver's nine flat sides lie inside of the donor's 24.
     assert np.hypot(written.vertices[:, 0], written.vertices[:, 1]).max() <= 1.0 + 1e-9
     np.testing.assert_allclose(written.vertices[:, 2], donor.vertices[:, 2], rtol=0, atol=0.05)
+
+
+@pytest.mark.parametrize("method", ["rigid", "smooth"])
+def test_the_shape_is_completed_as_asked_and_marked(folder: Path, method: str) -> None:
+    spoil_map(folder, np.arange(18, 27))
+    options = () if method == "rigid" else ("--unmatched", method)
+    assert run(folder, "bare.obj", "--what", "shape", *options, out="out.ply") == 0
+    donor, receiver, written = (read_mesh(folder / name) for name in ("donor.obj", "bare.obj", "out.ply"))
+    wrapped = wrap(
+        Correspondence.load(folder / "map.npz"), receiver.vertices, receiver.faces, donor.vertices, donor.faces,
+        method=method,
+    )  # fmt: skip
+    np.testing.assert_array_equal(written.vertices, wrapped.vertices)
+    assert 20 < wrapped.filled.sum() < 200
+    assert run(folder, "bare.obj", "--what", "uv", "--unmatched", method) == 2
 
 
 def test_a_map_of_the_other_direction_serves_too(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -20,6 +20,7 @@ from isograft.formats.layers import write_layers
 from isograft.formats.mesh_output import write_mtl, write_obj, write_ply_mesh
 from isograft.grafting_layers import LAYERS_OF
 from isograft.transfer import invert
+from isograft.transfer.wrapping import METHODS
 
 WHAT = ("uv", "color", "texture", *LAYERS_OF, "shape")
 OUTPUT_SUFFIXES = (".obj", ".ply")
@@ -60,6 +61,11 @@ def add_transfer(commands: Any, epilog: str) -> None:
         action="store_true",
         help="continue smoothly into what is unmatched; .ply marks it (isograft_filled)",
     )
+    parser.add_argument(
+        "--unmatched",
+        choices=METHODS,
+        help="with shape: the rest of the donor keeps its shape as rigidly as possible (default), or goes on smoothly",
+    )
     parser.add_argument("--min-confidence", type=float, default=0.0, metavar="X", help="leave out less sure vertices")
     parser.add_argument(
         "--texture", metavar="IMAGE", help="the donor's image; default: the one that its .mtl names (map_Kd)"
@@ -97,6 +103,7 @@ def run_transfer(arguments: argparse.Namespace) -> int:
             size=arguments.size,
             margin=arguments.margin,
             layers=options,
+            unmatched=arguments.unmatched or METHODS[0],
             threads=arguments.threads,
             progress=progress,
         )
@@ -167,6 +174,8 @@ def _check_meshes(arguments: argparse.Namespace, what: set[str], source: MeshFil
         raise BadInput(f"{arguments.target}: the donor has no texture coordinates to read an image with")
     if "texture" in what and "uv" not in what and source.corner_uvs is None:
         raise BadInput(f"{arguments.source}: the receiver has no texture coordinates to bake into; add uv to --what")
+    if arguments.unmatched and "shape" not in what:
+        raise BadInput("--unmatched says how the donor's shape is completed; it is for --what shape")
     if arguments.cut_seams and "uv" not in what:
         raise BadInput("--cut-seams cuts along the seams of texture coordinates; add uv to --what")
     for path, mesh in ((arguments.source, source), (arguments.target, target)):

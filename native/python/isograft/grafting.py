@@ -32,6 +32,7 @@ from isograft.transfer import (
     wrap,
 )
 from isograft.transfer.arrays import Array, CorrespondenceArrays, Progress
+from isograft.transfer.wrapping import Method
 
 
 @dataclass(eq=False)
@@ -75,6 +76,7 @@ def graft(
     size: int = 1024,
     margin: int = 16,
     layers: LayerOptions | None = None,
+    unmatched: Method = "rigid",
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> Graft:
@@ -82,13 +84,13 @@ def graft(
 
     `image` is the donor's, for texture; `layers` says which attributes, weights and keys, and how. With `cut_seams`
     polygons of the receiver that the donor's seams cross are cut along them, into triangles; layers of its own are then
-    left out.
+    left out. `unmatched` is wrap()'s method, for the shape.
 
     Raises:
         InvalidInput: the map does not fit, or the donor's data cannot be used.
     """
     if "shape" in what:
-        return _shape(correspondence, receiver, donor, threads, progress)
+        return _shape(correspondence, receiver, donor, unmatched, threads, progress)
     counts: dict[str, int] = {}
     warnings: list[str] = []
     placed: CorrespondenceArrays = correspondence
@@ -278,6 +280,7 @@ def _shape(
     correspondence: Correspondence,
     receiver: MeshFile,
     donor: MeshFile,
+    method: Method,
     threads: int | None,
     progress: Progress | None,
 ) -> Graft:
@@ -287,6 +290,7 @@ def _shape(
         receiver.faces,
         donor.vertices,
         donor.faces,
+        method=method,
         threads=threads,
         progress=progress,
     )

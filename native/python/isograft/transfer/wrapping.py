@@ -13,6 +13,9 @@ from isograft.progress import part_of
 from isograft.transfer.arrays import Array, CorrespondenceArrays, Progress, point_rows, triangle_rows
 from isograft.transfer.inverse import invert
 
+Method = Literal["rigid", "smooth"]
+METHODS: tuple[Method, ...] = ("rigid", "smooth")
+
 
 class Wrapped(NamedTuple):
     """A mesh with the donor's triangles and the receiver's shape."""
@@ -30,7 +33,7 @@ def wrap(
     donor_vertices: Any,
     donor_faces: Any,
     *,
-    method: Literal["rigid", "smooth"] = "rigid",
+    method: Method = "rigid",
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> Wrapped:
@@ -53,7 +56,7 @@ def wrap(
     Raises:
         InvalidInput: arrays that do not fit each other; a map to a point cloud; fewer than three vertices matched.
     """
-    if method not in ("rigid", "smooth"):
+    if method not in METHODS:
         raise _native.InvalidInput(f"method must be rigid or smooth, not {method!r}")
     donor, faces = point_rows(donor_vertices, "donor_vertices"), triangle_rows(donor_faces, "donor_faces")
     inverse = invert(
