@@ -36,7 +36,7 @@ def all_kinds(folder: Path) -> dict[str, np.ndarray]:
     columns = DONORS["cylinder"][1]
     edges = np.stack([np.arange(n - columns), np.arange(columns, n)], axis=1).astype(np.int32)
     middle = mesh.vertices[mesh.polygons.corners].reshape(p, -1, 3).mean(axis=1)
-    axis = mesh.vertices * [1, 1, 0]
+    axis, uvs = mesh.vertices * [1, 1, 0], mesh.corner_uvs
     return {
         "point/height": mesh.vertices[:, 2].astype(np.float32),
         "point/place": mesh.vertices,
@@ -52,6 +52,8 @@ def all_kinds(folder: Path) -> dict[str, np.ndarray]:
         "edges": edges,
         "edge/crease": (np.arange(len(edges)) / len(edges)).astype(np.float32),
         "edge/seam": np.arange(len(edges)) % 3 == 0,
+        "uv/Second": 0.5 * uvs,
+        "uv/Third": uvs * [-1, 1],
         "weights/Up per": mesh.vertices[:, 2] / 4,
         "weights/Lower": 1 - mesh.vertices[:, 2] / 4,
         "keys/Swell": 0.1 * axis,
@@ -100,7 +102,7 @@ def own_data(folder: Path, **arrays: np.ndarray) -> tuple[str, str]:
 
 
 def test_a_turned_and_larger_twin_gets_every_layer_exactly(folder: Path) -> None:
-    found = layers(folder, "twin.obj", "--what", "attributes,weights,keys,normals", map_name="same.npz")
+    found = layers(folder, "twin.obj", "--what", "uv,attributes,weights,keys,normals", map_name="same.npz")
     expected = all_kinds(folder)
     # Edges are those of the polygons; the donor has told of those along the columns.
     ends = {tuple(pair): row for row, pair in enumerate(found.pop("edges").tolist())}
@@ -143,6 +145,19 @@ def test_another_tessellation_gets_means_of_numbers_and_one_of_the_labels(folder
     height = receiver.vertices[receiver.polygons.corners].reshape(-1, 4, 3).mean(axis=1)[:, 2]
     clear = np.abs(height - 2) > 0.2
     np.testing.assert_array_equal(found["face/name"][clear], np.where(height > 2, "upper", "lower")[clear])
+
+
+def test_more_uv_maps_come_with_the_files_own_or_alone(folder: Path, capsys: Any) -> None:
+    found = layers(folder, "quads.obj", "--what", "uv", "--names", "S*", "--json")
+    assert json.loads(capsys.readouterr().out)["uv_maps"] == 1
+    assert set(found) == {"uv/Second"}
+    # Islands and seams are kept as those of the file's own map.
+    np.testing.assert_allclose(2 * found["uv/Second"], read_mesh(folder / "out.obj").corner_uvs, rtol=0, atol=1e-6)
+    save(folder / "donor.obj", SHAPES["cylinder"](*DONORS["cylinder"]), uvs=False, quads=True)
+    alone = layers(folder, "quads.obj", "--what", "uv")
+    assert set(alone) == {"uv/Second", "uv/Third"} and read_mesh(folder / "out.obj").corner_uvs is None
+    assert run(folder, "quads.obj", "--what", "uv") == 2
+    assert "the donor has no texture coordinates" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("text", [False, True])
@@ -306,7 +321,7 @@ def test_polygons_that_are_cut_carry_layers_too(folder: Path, capsys: Any) -> No
 
 REFUSALS = [
     (["--what", "weights"], "donor.obj: the donor has no vertex group; give a file that has with --target-data"),
-    (["--what", "uv", "--target-data", "all.npz"], "--target-data is given and none of attributes, weights"),
+    (["--what", "color", "--target-data", "all.npz"], "--target-data is given and none of uv, attributes, weights"),
     (["--what", "weights", "--key-scale", "2"], "--key-scale is given and none of keys is in --what"),
     (
         ["--what", "weights", "--target-data", "all.npz", "--names", "Arm*"],
@@ -346,6 +361,7 @@ WRONG = [
     ("weights/Arm", np.full(312, -1.0), "weights: donor_weights: 312 weights are negative"),
     ("keys/Smile", np.zeros(312), "keys/Smile should be numbers of shape (312, 3)"),
     ("keys/Smile", np.full((312, 3), np.nan), "keys: donor_keys: key 0 is not finite in 312 vertices"),
+    ("uv/Second", np.zeros((1152, 3)), "uv/Second should be numbers of shape (1152, 2)"),
     ("normals", np.zeros((1152, 2)), "normals should be numbers of shape (1152, 3)"),
     ("point/when", np.zeros(312, "datetime64[s]"), "point/when holds datetime64[s]"),
     ("corner/tint", np.full(1152, np.nan), "corner/tint: "),
@@ -358,7 +374,9 @@ def test_data_that_do_not_fit_are_refused_by_the_name_of_the_array(
     folder: Path, capsys: pytest.CaptureFixture[str], name, array, words
 ) -> None:
     np.savez(folder / "all.npz", **{name: array})
-    kind = {"weights": "weights", "keys": "keys", "normals": "normals"}.get(name.partition("/")[0], "attributes")
+    kind = {"weights": "weights", "keys": "keys", "normals": "normals", "uv": "uv"}.get(
+        name.partition("/")[0], "attributes"
+    )
     assert run(folder, "bare.obj", "--what", kind, "--target-data", str(folder / "all.npz")) == 2
     assert words in capsys.readouterr().err
     assert not (folder / "out.obj").exists() and not (folder / "out.npz").exists()

@@ -10,14 +10,14 @@ from typing import Any
 from isograft.cli_outcome import BadInput, check_output
 from isograft.files import MeshFile
 from isograft.formats.layers import read_layers
-from isograft.grafting_layers import LAYERS_OF, LayerOptions, choose_layers
+from isograft.grafting_layers import LAYERS_OF, LayerOptions, choose_layers, moves_layers
 from isograft.transfer import MIX_MODES
 
 _DEFAULTS = LayerOptions()
 #: Names of options that need one of some kinds, and those.
 _NEEDS = {
     "target_data": tuple(LAYERS_OF), "source_data": tuple(LAYERS_OF), "data_output": tuple(LAYERS_OF),
-    "names": ("attributes", "weights", "keys"), "overwrite": tuple(LAYERS_OF), "locked": ("weights", "keys"),
+    "names": ("uv", "attributes", "weights", "keys"), "overwrite": tuple(LAYERS_OF), "locked": ("weights", "keys"),
     "mix_mode": ("weights",), "mix_factor": ("weights",), "normalise": ("weights",), "limit_total": ("weights",),
     "key_scale": ("keys",), "key_smoothing": ("keys",),
 }  # fmt: skip
@@ -25,12 +25,12 @@ _NEEDS = {
 
 def add_layer_options(parser: argparse.ArgumentParser) -> None:
     group = parser.add_argument_group(
-        "attributes, vertex groups, shape keys, custom normals",
+        "attributes, more UV maps, vertex groups, shape keys, custom normals",
         "They are read from PLY properties of vertices, faces and edges (vertex groups: weights/NAME) and from .npz "
         "files with the arrays point/NAME (n, ...), corner/NAME (c, ...), face/NAME (p, ...), edge/NAME (e, ...) with "
-        "edges (e, 2), weights/NAME (n), keys/NAME (n, 3: displacements) and normals (c, 3), for n vertices, p "
-        "polygons and their c corners as the mesh file has them. They are written to such an .npz; a .ply has those of "
-        "one number too.",
+        "edges (e, 2), uv/NAME (c, 2), weights/NAME (n), keys/NAME (n, 3: displacements) and normals (c, 3), for n "
+        "vertices, p polygons and their c corners as the mesh file has them. They are written to such an .npz; a .ply "
+        "has those of one number too.",
     )
     group.add_argument("--target-data", metavar="DATA", help="what the donor carries (.npz)")
     group.add_argument("--source-data", metavar="DATA", help="what the receiver carries already (.npz); it is kept")
@@ -92,11 +92,11 @@ def open_layers(
 
     Raises BadInput or InvalidInput for files that do not fit, and for a donor that lacks what is asked for.
     """
-    if what.isdisjoint(LAYERS_OF):
-        return None
     for path, mesh in ((arguments.target_data, target), (arguments.source_data, source)):
         if path is not None:
             mesh.polygons.layers = mesh.layers.with_(_open(path, mesh))
+    if not moves_layers(what, target):
+        return None
     choose_layers(what, target, options)
     output: str = arguments.data_output or str(Path(arguments.output).with_suffix(".npz"))
     check_output(output, (".npz",))

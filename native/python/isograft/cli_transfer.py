@@ -22,7 +22,7 @@ from isograft.grafting_layers import LAYERS_OF
 from isograft.transfer import invert
 from isograft.transfer.wrapping import METHODS
 
-WHAT = ("uv", "color", "texture", *LAYERS_OF, "shape")
+WHAT = ("uv", "color", "texture", *(kind for kind in LAYERS_OF if kind != "uv"), "shape")
 OUTPUT_SUFFIXES = (".obj", ".ply")
 
 
@@ -84,9 +84,9 @@ def run_transfer(arguments: argparse.Namespace) -> int:
     what = _what(arguments.what)
     check_output(arguments.output, OUTPUT_SUFFIXES)
     source, target = open_mesh(arguments.source), open_mesh(arguments.target)
-    _check_meshes(arguments, what, source, target)
     options = layer_options(arguments, what)
     data_output = open_layers(arguments, what, source, target, options)
+    _check_meshes(arguments, what, source, target)
     image_path, texture_output = _images(arguments, what)
     pixels = None if image_path is None else _open_image(image_path)
     progress = ProgressLine() if arguments.progress or sys.stderr.isatty() else None
@@ -166,7 +166,7 @@ def _what(text: str) -> set[str]:
 
 
 def _check_meshes(arguments: argparse.Namespace, what: set[str], source: MeshFile, target: MeshFile) -> None:
-    if "uv" in what and target.corner_uvs is None:
+    if "uv" in what and target.corner_uvs is None and not target.layers.uv:
         raise BadInput(f"{arguments.target}: the donor has no texture coordinates; leave uv out of --what")
     if "color" in what and target.colors is None:
         raise BadInput(f"{arguments.target}: the donor has no vertex colours; leave color out of --what")

@@ -17,7 +17,7 @@ from isograft.errors import InvalidInput
 from isograft.formats.layers import FILLED
 from isograft.formats.mesh import MeshFile, Polygons
 from isograft.formats.mesh_output import MeshOutput
-from isograft.grafting_layers import LAYERS_OF, LayerOptions, graft_layers
+from isograft.grafting_layers import LayerOptions, graft_layers, moves_layers
 from isograft.progress import part_of
 from isograft.transfer import (
     Baked,
@@ -101,7 +101,7 @@ def graft(
             correspondence, receiver, donor, threads, part_of(progress, 0.0, 0.1)
         )
     progress = part_of(progress, 0.1, 1.0) if cut_seams else progress
-    has_layers = not what.isdisjoint(LAYERS_OF)
+    has_layers = moves_layers(what, donor)
     last = part_of(progress, 0.6, 1.0)
     progress = part_of(progress, 0.0, 0.6) if has_layers else progress
     polygons = receiver.polygons
@@ -113,7 +113,7 @@ def graft(
     filled = np.zeros(len(receiver.vertices), bool)
     triangle_uvs = receiver.triangle_uvs
     has_uvs: Array | None = None
-    if "uv" in what:
+    if "uv" in what and donor.corner_uvs is not None:
         triangle_uvs, has_uvs, made_up = _uvs(placed, receiver, donor, fill, threads, part_of(progress, 0.0, 0.2))
         filled[receiver.faces[made_up]] = True
         corner_uvs: Array = np.full((len(polygons.corners), 2), np.nan)

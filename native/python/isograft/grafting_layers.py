@@ -25,9 +25,15 @@ Bools = npt.NDArray[np.bool_]
 
 #: What may be asked for, and the kinds of layers that it stands for.
 LAYERS_OF: dict[str, tuple[str, ...]] = {
-    "attributes": DOMAINS, "weights": ("weights",), "keys": ("keys",), "normals": ()
+    "uv": ("uv",), "attributes": DOMAINS, "weights": ("weights",), "keys": ("keys",), "normals": ()
 }  # fmt: skip
-_WORDS = {"attributes": "attribute", "weights": "vertex group", "keys": "shape key", "normals": "custom normals"}
+_WORDS = {
+    "uv": "UV map",
+    "attributes": "attribute",
+    "weights": "vertex group",
+    "keys": "shape key",
+    "normals": "custom normals",
+}
 
 
 @dataclass(frozen=True)
@@ -58,6 +64,11 @@ class LayerGraft:
     warnings: list[str] = field(default_factory=list)
 
 
+def moves_layers(what: set[str], donor: MeshFile) -> bool:
+    """Whether `what` asks for any layers: of UV maps only for those beside the file's own."""
+    return any(kind in what for kind in LAYERS_OF if kind != "uv") or ("uv" in what and bool(donor.layers.uv))
+
+
 def choose_layers(what: set[str], donor: MeshFile, options: LayerOptions) -> dict[str, list[str]]:
     """Names of the donor's layers that are asked for, by their kind (KINDS).
 
@@ -68,7 +79,13 @@ def choose_layers(what: set[str], donor: MeshFile, options: LayerOptions) -> dic
     found = {layer: [n for n in donor.layers.of(layer) if n != FILLED] for kind in asked for layer in LAYERS_OF[kind]}
     for kind in asked:
         has = any(found[layer] for layer in LAYERS_OF[kind])
-        if not has and not (kind == "normals" and _normals(donor) is not None):
+        # What the file itself has.
+        has = (
+            has
+            or (kind == "normals" and _normals(donor) is not None)
+            or (kind == "uv" and donor.corner_uvs is not None)
+        )
+        if not has:
             raise InvalidInput(
                 f"{donor.path}: the donor has no {_WORDS[kind]}; give a file that has with --target-data, or leave "
                 f"{kind} out of --what"
@@ -132,17 +149,19 @@ def edges_of(mesh: MeshFile) -> npt.NDArray[np.int32]:
 def _graft_attributes(mover: Mover, kind: str, names: list[str], options: LayerOptions, result: LayerGraft) -> None:
     own = result.layers.of(kind)
     # As in Blender, attributes of all domains share one space of names.
-    taken = Names({name for domain in DOMAINS for name in result.layers.of(domain)}, options.overwrite)
+    beside = DOMAINS if kind in DOMAINS else (kind,)
+    taken = Names({name for other in beside for name in result.layers.of(other)}, options.overwrite)
     for number, name in enumerate(names):
         with _named(f"{mover.donor.path}: {kind}/{name}"):
             moved = mover.move(kind, mover.donor.layers.of(kind)[name], number, len(names))
         target = taken.claim(name)
-        for domain in DOMAINS:
-            if domain != kind:
-                result.layers.of(domain).pop(target, None)
+        for other in beside:
+            if other != kind:
+                result.layers.of(other).pop(target, None)
         own[target] = _beside(moved, own.get(target))
         result.filled |= moved.filled
-    result.counts["attributes"] = result.counts.get("attributes", 0) + len(names)
+    count = "attributes" if kind in DOMAINS else "uv_maps"
+    result.counts[count] = result.counts.get(count, 0) + len(names)
 
 
 def _beside(moved: Moved, own: Array | None) -> Array:

@@ -18,6 +18,7 @@ from isograft.transfer import (
     fill_normals,
     fill_point,
     transfer_corner,
+    transfer_corner_uv,
     transfer_edge,
     transfer_face,
     transfer_normals,
@@ -56,13 +57,15 @@ class Mover:
     progress: Progress | None
 
     def move(self, kind: str, values: Array, number: int = 0, count: int = 1) -> Moved:
-        """Values of a domain, or "weights" (m, k); layer `number` of `count`, for the progress.
+        """Values of a domain, a "uv" map (c, 2), or "weights" (m, k); layer `number` of `count`, for the progress.
 
         Raises:
             InvalidInput: the map does not fit, or the values cannot be used.
         """
         progress = part_of(self.progress, number / count, (number + 1) / count)
-        moves = {"point": self._point, "corner": self._corner, "face": self._face, "edge": self._edge}
+        moves = {
+            "point": self._point, "corner": self._corner, "face": self._face, "edge": self._edge, "uv": self._uv,
+        }  # fmt: skip
         return self._weights(values, progress) if kind == "weights" else moves[kind](values, progress)
 
     def keys(self, keys: Array, scale: Scale, smoothing: int | None) -> Moved:
@@ -107,6 +110,9 @@ class Mover:
     def _corner(self, values: Array, progress: Progress | None) -> Moved:
         return self._corners(transfer_corner, fill_corner, values, progress)
 
+    def _uv(self, values: Array, progress: Progress | None) -> Moved:
+        return self._corners(transfer_corner_uv, fill_corner, values, progress)
+
     def _corners(self, transfer: Any, fill: Any, values: Any, progress: Progress | None) -> Moved:
         own = self.receiver
         moved = transfer(
@@ -117,7 +123,7 @@ class Mover:
             threads=self.threads,
             progress=part_of(progress, 0.0, 0.7),
         )
-        result, known = moved.values, np.asarray(moved.mask)
+        result, known = moved[0], np.asarray(moved.mask)
         filled = np.zeros_like(known)
         if self._to_fill(known):
             result, filled = fill(own.vertices, own.faces, result, known, progress=part_of(progress, 0.7, 1.0))

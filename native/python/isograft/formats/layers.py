@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a mesh carries beside its shape: attributes of every domain, vertex groups, shape keys, custom normals.
+"""What a mesh carries beside its shape: attributes of every domain, UV maps, vertex groups, shape keys, custom normals.
 
 In an .npz each is an array with a name of its own, whose rows are counted as the mesh file counts them:
 
@@ -7,6 +7,7 @@ In an .npz each is an array with a name of its own, whose rows are counted as th
     corner/NAME   (c, ...) one row per corner of the file's polygons, one polygon after another
     face/NAME     (p, ...) one row per polygon
     edge/NAME     (e, ...) one row per row of `edges`, (e, 2): the vertices of each edge
+    uv/NAME       (c, 2) a UV map, beside the one that the file has
     weights/NAME  (n,) a vertex group, numbers >= 0
     keys/NAME     (n, 3) a shape key: displacements from the file's shape
     normals       (c, 3) custom normals of the corners, 0 for none
@@ -30,11 +31,11 @@ from isograft.formats.atomic import replacing
 from isograft.formats.npz import Arrays, PathLike, load_arrays
 
 DOMAINS = ("point", "corner", "face", "edge")
-KINDS = (*DOMAINS, "weights", "keys")
+KINDS = (*DOMAINS, "uv", "weights", "keys")
 #: The attribute of vertices that marks what a transfer made up.
 FILLED = "isograft_filled"
 _WORDS = {"point": "vertices", "weights": "vertices", "keys": "vertices", "corner": "corners of polygons",
-          "face": "polygons", "edge": "edges"}  # fmt: skip
+          "uv": "corners of polygons",          "face": "polygons", "edge": "edges"}  # fmt: skip
 _PLY_TYPES = {"i1": "char", "u1": "uchar", "i2": "short", "u2": "ushort", "i4": "int", "u4": "uint", "f4": "float",
               "f8": "double", "b1": "uchar"}  # fmt: skip
 
@@ -47,6 +48,7 @@ class Layers:
     corner: Arrays = field(default_factory=dict)
     face: Arrays = field(default_factory=dict)
     edge: Arrays = field(default_factory=dict)
+    uv: Arrays = field(default_factory=dict)
     weights: Arrays = field(default_factory=dict)
     keys: Arrays = field(default_factory=dict)
     edges: npt.NDArray[np.int32] | None = None
@@ -87,7 +89,8 @@ def read_layers(path: PathLike, vertices: int, sizes: npt.NDArray[np.int32], mes
     """
     found = load_arrays(path)
     layers = Layers()
-    rows = {"point": vertices, "weights": vertices, "keys": vertices, "face": len(sizes), "corner": int(sizes.sum())}
+    rows = {"point": vertices, "weights": vertices, "keys": vertices, "face": len(sizes)}
+    rows["corner"] = rows["uv"] = int(sizes.sum())
     if "edges" in found:
         layers.edges = _edges(path, found["edges"], vertices)
         rows["edge"] = len(layers.edges)
@@ -100,7 +103,7 @@ def read_layers(path: PathLike, vertices: int, sizes: npt.NDArray[np.int32], mes
             if kind not in rows:
                 raise InvalidInput(f"{path}: {key} needs the array edges, (e, 2), the vertices of each edge")
             _check(path, key, array, kind, rows, mesh)
-            width = {"weights": 1, "keys": 3}.get(kind)
+            width = {"uv": 2, "weights": 1, "keys": 3}.get(kind)
             layers.of(kind)[name] = array if width is None else _numbers(path, key, array, width)
         elif key != "edges":
             known = ", ".join(f"{kind}/NAME" for kind in KINDS)
