@@ -54,6 +54,8 @@ constexpr double prepared_by = 0.05, levels_by = 0.07, features_by = 0.15, grown
 constexpr double feature_reach = 2.0;
 // Nearer neighbours than this many e0 give no direction.
 constexpr double least_baseline = 4.0;
+// R in diameters of S.
+constexpr double radius_share = 0.05;
 constexpr int most_alternatives = 3;
 constexpr double worthy_alternative = 0.5;
 
@@ -70,7 +72,7 @@ Detail work_detail(const Surface& surface, double factor, int vertices, const st
     detail.coarse.mesh = fine;
     if (fine.vertex_count() > vertices) {
         // An even mesh of equilateral triangles has two of them a vertex.
-        detail.coarse = coarsen(fine, std::sqrt(fine.area / (0.866 * vertices)), monitor);
+        detail.coarse = coarsen(fine, std::sqrt(fine.area / (0.866 * vertices)), monitor, 1.0);
     }
     if (!detail.coarse.fine_vertex.empty()) {
         report.warnings.push_back(name + ": decimated from " + std::to_string(fine.vertex_count()) + " to " +
@@ -149,8 +151,7 @@ std::vector<OrientedMatch> find_seeds(const Work& work, const MatchOptions& opti
     std::vector<SurfacePoint> source_points;
     std::vector<FeatureMatch> matches;
     if (!options.seed.landmarks_only) {
-        const double radius = 0.05 * geodesic_diameter(source, monitor);
-        const auto radii = even_radii(paper.radius_min * radius, paper.radius_max * radius, paper.contours);
+        const auto radii = contour_radii(paper, geodesic_diameter(source, monitor));
         const Features s = find_features(source, radii, options.threads, monitor, levels_by, levels_by + step);
         const Features t =
             find_features(target, radii, options.threads, monitor, levels_by + step, levels_by + 2.0 * step);
@@ -170,7 +171,7 @@ std::vector<OrientedMatch> find_seeds(const Work& work, const MatchOptions& opti
         places.target.push_back(place_of(work.target, l.target));
     }
     ClusterOptions cluster;
-    cluster.weight = paper.distance_weight / (e0 * e0);
+    cluster.weight = stretch_weight(paper, e0);
     cluster.limit = paper.cluster_limit;
     // A few given features may lie far apart; found ones are dense.
     cluster.reach = options.seed.landmarks_only ? std::numeric_limits<double>::infinity()
@@ -213,6 +214,15 @@ double covered(const Samples& samples, const std::vector<PartialMap>& maps, cons
 }
 
 }  // namespace
+
+std::vector<double> contour_radii(const PaperOptions& paper, double diameter) {
+    const double radius = radius_share * diameter;
+    return even_radii(paper.radius_min * radius, paper.radius_max * radius, paper.contours);
+}
+
+double stretch_weight(const PaperOptions& paper, double e0) { return paper.distance_weight / (e0 * e0); }
+
+double merge_decay(const PaperOptions& paper, double e0) { return paper.decay * 2.0 * e0; }
 
 Match match_by_paper(const Surface& source, const Surface& target, const MatchOptions& options, Monitor& monitor) {
     const PaperOptions& paper = options.paper;
@@ -281,8 +291,8 @@ Match match_by_paper(const Surface& source, const Surface& target, const MatchOp
         if (static_cast<int>(result.correspondences.size()) > most_alternatives) break;
         std::vector<const PartialMap*> maps;
         for (const int m : members) maps.push_back(&floods.maps[m]);
-        const MergedMap merged = merge_by_centroid(levels, mesh, maps, paper.decay * levels.spacing(1), options.threads,
-                                                   monitor, clustered_by, merged_by);
+        const MergedMap merged = merge_by_centroid(levels, mesh, maps, merge_decay(paper, levels.samples.spacing),
+                                                   options.threads, monitor, clustered_by, merged_by);
         SampleNotes notes;
         notes.stretch = mean_stretch(levels, mesh, merged.map);
         notes.region = continuous_parts(merged.map, work.pair);

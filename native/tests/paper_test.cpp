@@ -11,6 +11,7 @@
 #include "gate.h"
 #include "isograft/errors.h"
 #include "shapes.h"
+#include "surface/cloud_graph.h"
 
 namespace isograft {
 namespace {
@@ -51,7 +52,25 @@ TEST(Paper, HasThePrintedParameters) {
     EXPECT_EQ(p.cluster_limit, 11.5);
     EXPECT_EQ(p.matches, 200);
     EXPECT_EQ(p.stretch_limit, 0.5);
+    EXPECT_EQ(p.threshold, 1.0);
     EXPECT_EQ(p.decay, 5.0);
+    EXPECT_EQ(graph_neighbours, 8);
+}
+
+TEST(Paper, MeasuresInTheUnitsThatArePrinted) {
+    PaperOptions p = preset_options("paper").paper;
+    // R is 5 % of a diameter of 20, so 1.
+    std::vector<double> radii = contour_radii(p, 20.0);
+    ASSERT_EQ(radii.size(), 10U);
+    for (int k = 0; k < 10; ++k) EXPECT_NEAR(radii[k], 0.9 + k * 0.8 / 9.0, 1e-12);
+    p.radius_min = 1.5;
+    p.radius_max = 3.4;
+    radii = contour_radii(p, 40.0);
+    EXPECT_NEAR(radii.front(), 3.0, 1e-12);
+    EXPECT_NEAR(radii.back(), 6.8, 1e-12);
+    // w_C = 1 / (8 e0^2), 1 / k_ds = 5 e1 = 10 e0.
+    EXPECT_DOUBLE_EQ(stretch_weight(p, 0.5), 0.5);
+    EXPECT_DOUBLE_EQ(merge_decay(p, 0.5), 5.0);
 }
 
 TEST(Paper, MapsABodyOntoItsMovedSelf) {
@@ -94,6 +113,24 @@ TEST(Paper, DecimatesLargeInputsAndSaysSo) {
     EXPECT_FALSE(told(match(source, source, options).report, "decimated"));
 }
 
+TEST(Paper, WorksOnTenThousandVerticesAtMostUnlessToldOtherwise) {
+    MatchOptions options = preset_options("paper");
+    options.scale.mode = ScaleMode::fixed;
+    options.threads = 2;
+    // What contradicts itself is not grown: only the size is of interest here.
+    options.seed.landmarks_only = true;
+    options.landmarks = {{0, 0}, {50, 5000}};
+    const Surface larger = gate(shapes::grid(104, 99, 1.0, 1.0)), largest = gate(shapes::grid(99, 99, 1.0, 1.0));
+    const Match decimated = match(larger, largest, options), whole = match(largest, larger, options);
+    EXPECT_TRUE(told(decimated.report, "source: decimated from 10500 to "));
+    EXPECT_FALSE(told(decimated.report, "target: decimated"));
+    EXPECT_NEAR(decimated.report.source_samples, 10000, 10);
+    EXPECT_EQ(decimated.report.target_samples, 10000);
+    EXPECT_TRUE(told(whole.report, "target: decimated from 10500 to "));
+    EXPECT_FALSE(told(whole.report, "source: decimated"));
+    EXPECT_EQ(whole.report.source_samples, 10000);
+}
+
 TEST(Paper, StartsFromLandmarksAlone) {
     const auto shape = shapes::blob(3);
     const Surface surface = gate(shape);
@@ -105,6 +142,18 @@ TEST(Paper, StartsFromLandmarksAlone) {
     EXPECT_GT(right(found.best(), shape.vertices, 0.5 * surface.mesh().mean_edge), 0.9);
     options.landmarks.pop_back();
     EXPECT_THROW(match(surface, surface, options), InvalidInput);
+}
+
+TEST(Paper, MixesLandmarksWithItsOwnFeatures) {
+    const auto shape = shapes::blob(3);
+    const auto moved = shapes::moved(shape, shapes::some_rotation(), {1.0, 2.0, 3.0});
+    MatchOptions options = small();
+    options.landmarks = {{10, 10}, {400, 400}};
+    const Surface source = gate(shape);
+    const Match found = match(source, gate(moved), options);
+    // Two landmarks give six oriented matches at most, with three directions each.
+    EXPECT_EQ(found.report.seeds_tried, 24);
+    EXPECT_GT(right(found.best(), moved.vertices, 0.5 * source.mesh().mean_edge), 0.95);
 }
 
 TEST(Paper, LeavesAllUnmatchedWhereNothingGrows) {

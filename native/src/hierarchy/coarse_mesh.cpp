@@ -271,11 +271,11 @@ void locate(const TriangleMesh& fine, CoarseMesh& coarse, Piece progress, StartO
 
 }  // namespace
 
-CoarseMesh coarsen(const TriangleMesh& fine, double edge, Piece progress) {
+CoarseMesh coarsen(const TriangleMesh& fine, double edge, Piece progress, double slack) {
     Monitor& monitor = progress.monitor();
     CoarseMesh coarse;
     const int goal = goal_count(fine.area, edge);
-    if (fine.vertex_count() <= goal * 4 / 3) {
+    if (fine.vertex_count() <= static_cast<int>(goal * slack)) {
         coarse.mesh = fine;
         return coarse;
     }

@@ -34,11 +34,12 @@ struct Detail {
     [[nodiscard]] const TriangleMesh& fine() const { return surface.mesh(); }
 };
 
-/// Collapse short edges until about `edge` long ones are left; nothing is done to a mesh within a third of that.
+/// Collapse short edges until about `edge` long ones are left; nothing is done to a mesh that has at most `slack` times
+/// the vertices of equilateral triangles of that edge.
 ///
 /// Vertices that stay keep their position, so that whatever is known of them stays true. Topology, boundaries and
 /// orientation are kept. O(#V log #V).
-CoarseMesh coarsen(const TriangleMesh& fine, double edge, Piece progress);
+CoarseMesh coarsen(const TriangleMesh& fine, double edge, Piece progress, double slack = 4.0 / 3.0);
 
 /// coarsen() by way of a coarse mesh that is there already, so that the fine one is only looked up.
 CoarseMesh coarsen_further(const TriangleMesh& fine, const CoarseMesh& coarse, double edge, Piece progress);

@@ -130,6 +130,17 @@ TEST(CoarseMesh, OfAMeshThatIsCoarseEnoughIsThatMesh) {
     EXPECT_EQ(coarse.mesh.position, fine.position);
 }
 
+TEST(CoarseMesh, LeavesAloneWhatIsWithinTheSlackAndNothingAboveIt) {
+    const TriangleMesh fine = gate(shapes::blob(5)).mesh();
+    // A fifth more vertices than triangles of that edge have.
+    const double edge = std::sqrt(fine.area / (0.866 * fine.vertex_count() / 1.2));
+    Monitor monitor;
+    EXPECT_TRUE(coarsen(fine, edge, monitor).fine_vertex.empty());
+    EXPECT_TRUE(coarsen(fine, edge, monitor, 1.25).fine_vertex.empty());
+    const CoarseMesh coarse = coarsen(fine, edge, monitor, 1.0);
+    EXPECT_NEAR(coarse.mesh.vertex_count(), fine.vertex_count() / 1.2, 10.0);
+}
+
 TEST(CoarseMesh, StopsWhenCancelled) {
     const TriangleMesh fine = gate(shapes::blob(5)).mesh();
     Monitor monitor;
