@@ -83,6 +83,11 @@ def _contacts(data: Path) -> list[Pair]:
     return [*pairs, Pair(f"{pairs[0].name}_given", case, noisy_matches(case, 20, 0.02, seed=0))]
 
 
+def _full_size(data: Path) -> list[Pair]:
+    """The pair of `scape` under a name of its own, which its files go by."""
+    return [Pair(f"{pair.name}_10k", pair.case) for pair in _of_data("scape_000_005")(data)]
+
+
 def noisy_matches(case: Case, count: int, noise: float, seed: int) -> np.ndarray:
     """`count` true matches, far from each other on S; the target's end is off by up to `noise` of T's extent."""
     random = np.random.default_rng(seed)
@@ -206,5 +211,14 @@ EXPERIMENTS = [
         _symmetric,
         {**CLEAN, "paper_threshold": 1.0},
         up="z",
+    ),
+    Experiment(
+        "size",
+        "SCAPE at 10,000 vertices, the preset's own limit",
+        [],
+        _full_size,
+        {**CLEAN, "paper_threshold": 1.9},
+        vertices=10000,
+        up="x",
     ),
 ]

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,8 @@ from experiments.hkm import heat_kernel_map
 SAMPLES = 400
 #: Errors (times 100) of the cumulative curves.
 LEVELS = np.linspace(0.0, 25.0, 101)
+#: Stages of the report by those of the progress, where they differ.
+STAGE_NAMES = {"blend": "clustering", "merge": "merging", "dense": "merging", "done": "merging"}
 
 
 @dataclass(frozen=True)
@@ -36,6 +39,28 @@ class Settings:
         """What a kept result of preset paper has to be of."""
         vertices = self.vertices or experiment.limit(pair)
         return {"vertices": vertices, "matches": self.matches, "version": isograft.__version__}
+
+
+class StageClock:
+    """Seconds of the processor by stage of preset paper, told from the progress of a match.
+
+    The search for scale and sides runs stages of its own first: all before the last `hierarchy` is `surface`.
+    """
+
+    def __init__(self, clock: Callable[[], float] = time.process_time) -> None:
+        self.seconds: dict[str, float] = {}
+        self._clock = clock
+        self._last = clock()
+        self._stage = "surface"
+
+    def __call__(self, stage: str, _fraction: float) -> None:
+        now = self._clock()
+        self.seconds[self._stage] = self.seconds.get(self._stage, 0.0) + now - self._last
+        self._last = now
+        stage = STAGE_NAMES.get(stage, stage)
+        if stage == "hierarchy" and self._stage != "hierarchy":
+            self.seconds = {"surface": sum(self.seconds.values())}
+        self._stage = stage
 
 
 def run_pair(experiment: Experiment, pair: Pair, method: str, settings: Settings) -> dict[str, Any]:
@@ -84,11 +109,19 @@ def _find(experiment: Experiment, pair: Pair, method: str, settings: Settings) -
             "paper_vertices": settings.vertices or experiment.limit(pair.name),
             "paper_matches": settings.matches,
         }
+    clock = StageClock()
     result = isograft.match(
-        case.source, case.target, preset=method, landmarks=pair.landmarks, threads=settings.threads, **options
+        case.source,
+        case.target,
+        preset=method,
+        landmarks=pair.landmarks,
+        threads=settings.threads,
+        progress=clock,
+        **options,
     )
     report = result.report
-    return result.best, {
+    told = {"cpu_stages": clock.seconds} if method == "paper" else {}
+    return result.best, told | {
         "stages": {stage.name: stage.seconds for stage in report.stages},
         "warnings": list(report.warnings),
         "alternatives": len(result.alternatives),

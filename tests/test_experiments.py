@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What scripts/experiments runs and keeps, and the page it writes."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+import isograft
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))
+
+from experiments import run, shapes  # noqa: E402
+from experiments.catalogue import EXPERIMENTS, NOISY, Experiment, Pair  # noqa: E402
+from experiments.page import write_page  # noqa: E402
+from experiments.run import Settings, StageClock, run_pair  # noqa: E402
+
+BY_NAME = {e.name: e for e in EXPERIMENTS}
+
+
+def test_only_what_the_paper_varies_is_varied_and_to_the_values_it_prints() -> None:
+    assert NOISY == {"paper_radius_min": 1.5, "paper_radius_max": 3.4}
+    noisy = {e.name for e in EXPERIMENTS if e.options.items() >= NOISY.items()}
+    assert noisy == {"contacts", "clouds"}
+    q = {e.name: e.options["paper_threshold"] for e in EXPERIMENTS}
+    assert q.pop("samba") == 0.0
+    assert q.pop("scape") == q.pop("size") == 1.9
+    assert set(q.values()) == {1.0}
+    printed = {*NOISY, "paper_threshold"}
+    others = {e.name: set(e.options) - printed for e in EXPERIMENTS if set(e.options) - printed}
+    # Two given correspondences, and the reach of N1, which the paper does not print.
+    assert others == {"planes": {"seed_landmarks_only", "paper_near"}}
+
+
+def test_one_experiment_runs_at_the_limit_of_the_preset_itself() -> None:
+    assert BY_NAME["size"].vertices == isograft.preset_options("paper")["paper_vertices"] == 10000
+
+
+def test_stages_are_timed_by_the_processor_from_the_last_hierarchy_on() -> None:
+    now = [0.0]
+    clock = StageClock(lambda: now[0])
+    told = [("features", 1), ("growth", 3), ("hierarchy", 4), ("hierarchy", 6), ("features", 7), ("growth", 10)]
+    told += [("blend", 30), ("merge", 34), ("dense", 36), ("merge", 39), ("done", 40)]
+    for stage, at in told:
+        now[0] = at
+        clock(stage, 0.5)
+    assert clock.seconds == {
+        "surface": 4,
+        "hierarchy": 3,
+        "features": 3,
+        "growth": 20,
+        "clustering": 4,
+        "merging": 6,
+    }
+    assert sum(clock.seconds.values()) == 40
+
+
+@pytest.fixture(scope="module")
+def ran(tmp_path_factory: pytest.TempPathFactory) -> tuple[Experiment, Pair, Settings, dict[str, Any]]:
+    """The planes with few vertices and few matches."""
+    case, landmarks = shapes.planes(16)
+    pair = Pair("planes", case, landmarks)
+    experiment = dataclasses.replace(BY_NAME["planes"], vertices=200)
+    settings = Settings(Path(), tmp_path_factory.mktemp("experiments"), 2, None, 4)
+    return experiment, pair, settings, run_pair(experiment, pair, "paper", settings)
+
+
+def test_a_mesh_above_the_limit_is_decimated_and_the_row_says_so(ran: Any) -> None:
+    _, _, _, row = ran
+    assert row["vertices"] == 289
+    assert 100 < row["source_samples"] < 240
+    assert any(w.startswith("source: decimated from 289 to ") for w in row["warnings"]), row["warnings"]
+    # Every stage of the report has its seconds of the processor.
+    assert set(row["cpu_stages"]) == set(row["stages"])
+
+
+def test_what_is_kept_is_not_run_again_unless_the_settings_differ(ran: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    experiment, pair, settings, row = ran
+
+    def refuse(*_: Any) -> None:
+        raise AssertionError("ran again")
+
+    monkeypatch.setattr(run, "_find", refuse)
+    assert run_pair(experiment, pair, "paper", settings) == json.loads(json.dumps(row))
+    with pytest.raises(AssertionError, match="ran again"):
+        run_pair(experiment, pair, "paper", dataclasses.replace(settings, vertices=150))
+
+
+def test_the_page_has_the_rows_their_sizes_and_their_times(ran: Any, tmp_path: Path) -> None:
+    experiment, _, settings, row = ran
+    write_page([experiment, BY_NAME["size"]], settings.out, tmp_path)
+    page = (tmp_path / "experiments.md").read_text(encoding="utf-8")
+    assert f"| planes | paper | {row['error']:.1f} |" in page
+    assert f"`planes`: {row['source_samples']} vertices of 289, decimated, " in page
+    assert "Not run for this page: size." in page
+    times = " | ".join(f"{row['cpu_stages'][name]:.1f}" for name in ("features", "growth", "clustering", "merging"))
+    assert f"| planes | {row['source_samples']} | {times} | {row['cpu_seconds']:.0f} |" in page
+    assert "wall times" not in page
+    # A row that was kept by an older build.
+    path = settings.out / "planes/planes.paper.json"
+    older = {**row, "seconds": 10.0, "cpu_seconds": 5.0, "stages": {"features": 2.0, "growth": 4.0}}
+    del older["cpu_stages"]
+    path.write_text(json.dumps(older))
+    write_page([experiment], settings.out, tmp_path)
+    path.write_text(json.dumps(row))
+    page = (tmp_path / "experiments.md").read_text(encoding="utf-8")
+    assert f"| planes | {row['source_samples']} | 1.0 | 2.0 | 0.0 | 0.0 | 5 |" in page
+    assert "wrong by a multiple: planes." in page
