@@ -243,6 +243,14 @@ def test_what_the_receivers_ply_carries_stays_unless_it_is_cut(folder: Path, cap
     assert not read_mesh(folder / "cut.ply").layers
 
 
+def test_own_data_are_written_again_where_none_come_to_them(folder: Path) -> None:
+    own = own_data(folder, keys_Wink=np.ones((54, 3)), point_mine=np.arange(54))
+    assert run(folder, "bare.obj", "--what", "uv", *own) == 0
+    found = dict(np.load(folder / "out.npz"))
+    assert set(found) == {"keys/Wink", "point/mine"}
+    np.testing.assert_array_equal(found["point/mine"], np.arange(54))
+
+
 def test_only_named_layers_come_and_own_ones_stay(folder: Path) -> None:
     n = len(read_mesh(folder / "bare.obj").vertices)
     own = own_data(folder, point_height=np.full(n, 9), weights_Lower=np.full(n, 0.5))

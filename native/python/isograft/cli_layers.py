@@ -95,9 +95,10 @@ def open_layers(
     for path, mesh in ((arguments.target_data, target), (arguments.source_data, source)):
         if path is not None:
             mesh.polygons.layers = mesh.layers.with_(_open(path, mesh))
-    if not moves_layers(what, target):
+    if moves_layers(what, target):
+        choose_layers(what, target, options)
+    elif arguments.source_data is None and arguments.data_output is None:
         return None
-    choose_layers(what, target, options)
     output: str = arguments.data_output or str(Path(arguments.output).with_suffix(".npz"))
     check_output(output, (".npz",))
     for given in (arguments.map, arguments.target_data):
