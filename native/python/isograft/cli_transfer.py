@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import sys
 from pathlib import Path
 from typing import Any
@@ -120,7 +121,7 @@ def run_transfer(arguments: argparse.Namespace) -> int:
     if Path(arguments.output).suffix.lower() == ".obj":
         if material is not None:
             write_mtl(Path(arguments.output).with_suffix(".mtl"), Path(texture_output).name)
-        write_obj(arguments.output, result.mesh, material)
+        write_obj(arguments.output, result.mesh, material, _libraries(arguments))
     else:
         write_ply_mesh(arguments.output, result.mesh)
     written = {"texture": texture_output if result.image is not None else None, "data": data_output}
@@ -198,6 +199,18 @@ def _images(arguments: argparse.Namespace, what: set[str]) -> tuple[str | None, 
     path = arguments.texture or _image_of(arguments.target)
     check_images(path, output)
     return path, output
+
+
+def _libraries(arguments: argparse.Namespace) -> list[str]:
+    """The material libraries of receiver and donor, as seen from the output."""
+    folder = Path(arguments.output).parent
+    found = [
+        os.path.relpath(Path(path).parent / name, folder)
+        for path in (arguments.source, arguments.target)
+        if Path(path).suffix.lower() == ".obj"
+        for name in _values(Path(path), "mtllib")
+    ]
+    return list(dict.fromkeys(found))
 
 
 def _image_of(path: str) -> str:

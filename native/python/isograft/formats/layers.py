@@ -13,7 +13,8 @@ In an .npz each is an array with a name of its own, whose rows are counted as th
     normals       (c, 3) custom normals of the corners, 0 for none
 
 Attributes are numbers, booleans or strings. A PLY file has those of one number a row as properties of its elements
-vertex, face and edge (with vertex1 and vertex2), vertex groups as properties of the vertices called weights/NAME.
+vertex, face and edge (with vertex1 and vertex2), vertex groups as properties of the vertices called weights/NAME. An
+OBJ file has face/material, of strings.
 """
 
 from __future__ import annotations
@@ -34,6 +35,8 @@ DOMAINS = ("point", "corner", "face", "edge")
 KINDS = (*DOMAINS, "uv", "weights", "keys")
 #: The attribute of vertices that marks what a transfer made up.
 FILLED = "isograft_filled"
+#: The attribute of faces that an OBJ file has: the name of the material, empty for none.
+MATERIAL = "material"
 _WORDS = {"point": "vertices", "weights": "vertices", "keys": "vertices", "corner": "corners of polygons",
           "uv": "corners of polygons",          "face": "polygons", "edge": "edges"}  # fmt: skip
 _PLY_TYPES = {"i1": "char", "u1": "uchar", "i2": "short", "u2": "ushort", "i4": "int", "u4": "uint", "f4": "float",

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -11,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from isograft.formats.atomic import replacing
-from isograft.formats.layers import FILLED, Layers, Property, ply_properties
+from isograft.formats.layers import FILLED, MATERIAL, Layers, Property, ply_properties
 from isograft.formats.mesh import Floats, Ints
 from isograft.formats.ply import KNOWN, KNOWN_OF_EDGES, WEIGHTS
 from isograft.formats.ply_header import CODES
@@ -36,9 +37,13 @@ class MeshOutput:
     layers: Layers = field(default_factory=Layers)
 
 
-def write_obj(path: PathLike, mesh: MeshOutput, material: str | None = None) -> None:
-    """`material` is the file named by mtllib, its material is called isograft. OBJ has no place for marks."""
-    lines = [f"mtllib {material}\n"] if material else []
+def write_obj(path: PathLike, mesh: MeshOutput, material: str | None = None, libraries: Sequence[str] = ()) -> None:
+    """`material` is the file named by mtllib, its material is called isograft. OBJ has no place for marks.
+
+    Without it the faces have the materials of the layer MATERIAL, if that is of strings, from `libraries`.
+    """
+    materials = _materials(mesh, material)
+    lines = [f"mtllib {name}\n" for name in ([material] if material else libraries if materials else ())]
     rows = mesh.vertices.tolist()
     if mesh.colors is None:
         lines += [f"v {x:.9g} {y:.9g} {z:.9g}\n" for x, y, z in rows]
@@ -55,14 +60,24 @@ def write_obj(path: PathLike, mesh: MeshOutput, material: str | None = None) -> 
         for corner, row in zip(given.tolist(), index.reshape(-1).tolist(), strict=True):
             texts[corner] += f"/{row + 1}"
         _drop_parts(texts, mesh.sizes)
-    if material:
-        lines.append("usemtl isograft\n")
     start = 0
-    for size in mesh.sizes.tolist():
+    for row, size in enumerate(mesh.sizes.tolist()):
+        if materials and (row == 0 or materials[row] != materials[row - 1]):
+            lines.append(f"usemtl {materials[row]}\n")
         lines.append(f"f {' '.join(texts[start : start + size])}\n")
         start += size
     with replacing(path) as file:
-        file.write("".join(lines).encode("ascii"))
+        file.write("".join(lines).encode())
+
+
+def _materials(mesh: MeshOutput, material: str | None) -> list[str]:
+    """The name of every polygon's material, None for an empty one as other programs write it; [] without any."""
+    if material:
+        return ["isograft"] * len(mesh.sizes)
+    names = mesh.layers.face.get(MATERIAL)
+    if names is None or names.dtype.kind != "U" or names.ndim != 1:
+        return []
+    return [" ".join(name.split()) or "None" for name in names.tolist()]
 
 
 def _drop_parts(texts: list[str], sizes: Ints) -> None:

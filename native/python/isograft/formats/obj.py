@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Wavefront OBJ: v (with colours), vt, f with negative indices and any number of corners. All else is passed over."""
+"""Wavefront OBJ: v (with colours), vt, f with negative indices and any number of corners, usemtl as the layer material
+of faces. All else is passed over."""
 
 from __future__ import annotations
 
@@ -9,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from isograft.errors import InvalidInput
+from isograft.formats.layers import MATERIAL, Layers
 from isograft.formats.mesh import Polygons
 from isograft.formats.text import Lines, parse_floats, parse_ints, parse_numbers, quoted, token_counts
 
@@ -36,11 +38,20 @@ def read_obj(path: str, data: bytes) -> Polygons:
         colors=np.ascontiguousarray(vertices[:, 3:6]) if vertices.shape[1] >= 6 else None,
         uvs=np.ascontiguousarray(uvs[:, :2]) if (uv_index >= 0).any() else None,
         uv_index=uv_index if (uv_index >= 0).any() else None,
+        layers=_materials(lines, rows),
     )
 
 
+def _materials(lines: Lines, rows: dict[bytes, list[int]]) -> Layers:
+    used = rows[b"usemtl"]
+    if not used or not rows[b"f"]:
+        return Layers()
+    names = [name.strip().decode("utf-8", "replace") for name in _behind_keyword(lines, used, b"usemtl")]
+    return Layers(face={MATERIAL: np.array(["", *names])[np.searchsorted(used, rows[b"f"])]})
+
+
 def _rows_by_keyword(text: list[bytes]) -> dict[bytes, list[int]]:
-    rows: dict[bytes, list[int]] = {b"v": [], b"vt": [], b"f": []}
+    rows: dict[bytes, list[int]] = {b"v": [], b"vt": [], b"f": [], b"usemtl": []}
     # Nearly every line begins so; the few others are looked at in full.
     known = {b"v ": rows[b"v"], b"vt": rows[b"vt"], b"f ": rows[b"f"], b"vn": None}
     for row, line in enumerate(text):
