@@ -50,6 +50,20 @@ void check_landmarks(const std::vector<Landmark>& landmarks, const Surface& surf
     }
 }
 
+// What the stages work on.
+std::vector<Surface> working_surfaces(const Surface& source, const Surface& target, const MatchOptions& options,
+                                      Monitor& monitor) {
+    std::vector<Surface> surfaces{source, target};
+    parallel_for(
+        2, options.threads,
+        [&](int i, int /*worker*/) {
+            if (options.surface.denoise > 0.0) surfaces[i] = surfaces[i].denoised(options.surface.denoise, monitor);
+            surfaces[i] = surfaces[i].in_own_frame(monitor);
+        },
+        monitor, "surface", 0.0, 0.0);
+    return surfaces;
+}
+
 struct Grown {
     std::vector<Patch> patches;
     std::vector<Core> cores;
@@ -240,11 +254,9 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
     double expected = costs.preparation({points, target.vertices().rows()}) + costs.search(points);
     const double carry = costs.answers(1) + perhaps + finish;
     const double search = costs.search(points) + perhaps;
-    const double denoise = options.surface.denoise;
-    PreparedPair prepared = denoise > 0.0
-                                ? prepare_pair(source.denoised(denoise, watcher), target.denoised(denoise, watcher),
-                                               options, report, watcher, 0.0, 1.0, search)
-                                : prepare_pair(source, target, options, report, watcher, 0.0, 1.0, search);
+    std::vector<Surface> surfaces = working_surfaces(source, target, options, watcher);
+    PreparedPair prepared = prepare_pair(surfaces[0], surfaces[1], options, report, watcher, 0.0, 1.0, search);
+    surfaces.clear();
     Pair& pair = prepared.pair;
     watch.lap();
 

@@ -180,6 +180,19 @@ TEST(Match, IsTheSameWithinASpacingAfterRigidMotionAndRenumbering) {
     EXPECT_GE(same, 0.99 * static_cast<double>(a.vertices.rows()));
 }
 
+TEST(Match, IsEqualBitForBitAfterMovingAndTurningEither) {
+    const auto source = shapes::blob(4);
+    const auto target = bumped();
+    const Match here = match(gate(source), gate(target), quick());
+    const Eigen::Matrix3d turn = shapes::some_rotation();
+    const Match there = match(gate(shapes::moved(source, turn, {7.0, -2.0, 1.0})),
+                              gate(shapes::moved(target, turn * turn, {0.0, 5.0, -3.0})), quick());
+    EXPECT_EQ(here.best().face, there.best().face);
+    expect_same_bits(here.best().barycentric, there.best().barycentric);
+    expect_same_bits(here.best().confidence, there.best().confidence);
+    EXPECT_GT((here.best().face.array() >= 0).count(), 0.9 * source.vertices.rows());
+}
+
 TEST(Match, IsEqualBitForBitForOneAndForTwoThreads) {
     const Surface source = gate(shapes::blob(3)), target = gate(shapes::noisy(shapes::blob(3), 0.005, 1));
     MatchOptions options = quick();

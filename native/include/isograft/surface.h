@@ -70,6 +70,9 @@ class Surface {
     [[nodiscard]] const TriangleMesh& mesh() const { return *mesh_; }
     /// The same surface with its open components turned over (internal: both sides are tried, consensus decides).
     [[nodiscard]] Surface with_open_parts_reversed(Monitor* monitor = nullptr) const;
+    /// The same surface with the mesh the stages work on moved to where nobody's moving and turning of the input shows
+    /// (internal; see surface/own_frame.h). A cloud stays where it is.
+    [[nodiscard]] Surface in_own_frame(Monitor& monitor) const;
     /// The same surface with the mesh the stages work on smoothed (internal; see SurfaceOptions). A cloud's is already.
     [[nodiscard]] Surface denoised(double support, Monitor& monitor) const;
 

@@ -211,6 +211,13 @@ TriangleMesh build_mesh(const std::vector<Eigen::Vector3d>& position, const std:
     return build_mesh(position, face, input_face, input_reversed, Piece(silent, 0.0));
 }
 
+TriangleMesh with_positions(const TriangleMesh& mesh, std::vector<Eigen::Vector3d> position, Monitor& monitor) {
+    TriangleMesh result = mesh;
+    result.position = std::move(position);
+    measure(result, monitor);
+    return result;
+}
+
 TriangleMesh scaled(const TriangleMesh& mesh, double factor) {
     TriangleMesh result = mesh;
     for (auto& p : result.position) p *= factor;

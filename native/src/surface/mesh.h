@@ -70,6 +70,10 @@ TriangleMesh build_mesh(const std::vector<Eigen::Vector3d>& position, const std:
 TriangleMesh build_mesh(const std::vector<Eigen::Vector3d>& position, const std::vector<std::array<int, 3>>& face,
                         const std::vector<int>& input_face, const std::vector<char>& input_reversed);
 
+/// The same mesh with its vertices in other places, in which every triangle has an area.
+/// \param position per vertex. \throw Cancelled if `monitor` asks for it.
+TriangleMesh with_positions(const TriangleMesh& mesh, std::vector<Eigen::Vector3d> position, Monitor& monitor);
+
 /// The same mesh with all lengths multiplied by `factor`.
 TriangleMesh scaled(const TriangleMesh& mesh, double factor);
 

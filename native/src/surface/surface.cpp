@@ -11,6 +11,7 @@
 #include "surface/denoise.h"
 #include "surface/mesh.h"
 #include "surface/orient.h"
+#include "surface/own_frame.h"
 
 namespace isograft {
 
@@ -111,6 +112,14 @@ Surface Surface::with_open_parts_reversed(Monitor* monitor) const {
 Surface Surface::denoised(double support, Monitor& monitor) const {
     Surface surface = *this;
     if (!is_cloud_) surface.mesh_ = std::make_shared<TriangleMesh>(isograft::denoised(*mesh_, support, monitor));
+    return surface;
+}
+
+Surface Surface::in_own_frame(Monitor& monitor) const {
+    Surface surface = *this;
+    // The mesh over a cloud hangs on how it lay, and results are points of it.
+    if (is_cloud_) return surface;
+    surface.mesh_ = std::make_shared<TriangleMesh>(isograft::in_own_frame(*mesh_, monitor));
     return surface;
 }
 
