@@ -26,6 +26,8 @@ void DenseOptions::validate() const {
     require(refine_weight >= 0.0 && std::isfinite(refine_weight), "refine_weight must not be negative");
     require(refine_coarse_iterations >= 0 && refine_coarse_iterations <= 100,
             "refine_coarse_iterations must be in [0, 100]");
+    require(refine_relief_iterations >= 0 && refine_relief_iterations <= 100,
+            "refine_relief_iterations must be in [0, 100]");
     require(refine_iterations >= 0 && refine_iterations <= 100, "refine_iterations must be in [0, 100]");
     require(reach > 0.0 && reach <= 1.6, "reach must be in (0, 1.6]");
 }

@@ -11,6 +11,7 @@
 #include "base/parallel.h"
 #include "geodesic/trace.h"
 #include "growth/relax.h"
+#include "growth/relief.h"
 
 namespace isograft {
 
@@ -28,6 +29,8 @@ struct Scale {
 constexpr Scale coarse{0.1, 0.8, 2.0};
 // Small enough to tell a centimetre on a body, large enough to see shape.
 constexpr Scale fine{0.06, 0.4, 1.0};
+// A piece that shows its place, and one that shows it exactly.
+constexpr ReliefScale wide_relief{.width = 0.08}, narrow_relief{.width = 0.05};
 // A distance at which the term has lost half its pull.
 constexpr double soft = 0.02;
 
@@ -90,7 +93,8 @@ SampleTerm fit_term(const Stencil& stencil) {
 void refine(PartialMap& map, const Pair& pair, const FeatureOptions& features, const GrowthOptions& growth,
             const DenseOptions& options, int threads, Monitor& monitor, double from, double to) {
     const Samples& source = pair.source.samples;
-    const int all = options.refine_coarse_iterations + options.refine_iterations;
+    const int relieving = options.refine_relief_iterations;
+    const int all = options.refine_coarse_iterations + 2 * relieving + options.refine_iterations;
     if (options.refine_weight <= 0.0 || all == 0 || map.count == 0) return;
     int done = 0;
     const auto slide = [&](const Scale& scale, int iterations, const std::vector<double>& source_curvature,
@@ -126,6 +130,12 @@ void refine(PartialMap& map, const Pair& pair, const FeatureOptions& features, c
         relax(source, pair.target.mesh, growth, settings, map);
     };
     slide(coarse, options.refine_coarse_iterations, pair.source_curvature, pair.target_curvature);
+    const Relief relief(pair);
+    for (const ReliefScale& scale : {wide_relief, narrow_relief}) {
+        relief.relax(map, growth, scale, relieving, threads, monitor);
+        done += relieving;
+        monitor.report("refinement", from + (to - from) * done / all);
+    }
     slide(fine, options.refine_iterations, pair.source_detail, pair.target_detail);
 }
 

@@ -7,9 +7,9 @@
 
 namespace isograft {
 
-/// Slide a map along the surface to where the curvature fits, first the coarse and then the fine one: least squares of
-/// stretch plus a quadratic model of a small ray descriptor's distance around every image. Cures drift of up to about a
-/// spacing, not a wrong limb.
+/// Slide a map along the surface to where the shape fits: least squares of stretch plus, first, a quadratic model of a
+/// ray descriptor's distance around every image, then the relief of small pieces (see Relief), then the descriptor
+/// again with finer curvature. Cures drift of some spacings, not a wrong limb.
 void refine(PartialMap& map, const Pair& pair, const FeatureOptions& features, const GrowthOptions& growth,
             const DenseOptions& options, int threads, Monitor& monitor, double from, double to);
 

@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "dense/refine.h"
 
-#include <cmath>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "geodesic/trace.h"
 #include "growth/relax.h"
 #include "isograft/errors.h"
-#include "twins.h"
+#include "tubes.h"
 
 namespace isograft {
 namespace {
@@ -20,53 +18,6 @@ void run(PartialMap& map, const DenseOptions& options = {}, int threads = 2) {
     Monitor monitor;
     refine(map, twins().pair(), twins().options().feature, twins().options().growth, options, threads, monitor, 0.0,
            1.0);
-}
-
-double mean_error(const Twins& of, const PartialMap& map) {
-    double sum = 0.0;
-    for (const int s : of.all_samples()) {
-        if (map.mapped[s]) sum += of.error(s, map.position[s]);
-    }
-    return sum / map.count;
-}
-
-/// A tube whose cross-section is neither round nor symmetric. Unrolled it is a rectangle, so that a map which turns it
-/// keeps every length, and only curvature tells. \param ripple height of 15 grooves along it: fine shape that nearly
-/// repeats.
-Twins make_tubes(double ripple) {
-    shapes::Shape tube = shapes::cylinder(90, 24, 1.0, 1.6);
-    for (Eigen::Index v = 0; v < tube.vertices.rows(); ++v) {
-        const double angle = std::atan2(tube.vertices(v, 1), tube.vertices(v, 0));
-        tube.vertices.row(v).head<2>() *=
-            1.0 + 0.14 * std::cos(2.0 * angle) + 0.1 * std::cos(3.0 * angle + 1.0) + ripple * std::cos(15.0 * angle);
-    }
-    return Twins(tube);
-}
-
-const Twins& tubes() {
-    static const Twins once = make_tubes(0.0);
-    return once;
-}
-
-const Twins& grooved_tubes() {
-    static const Twins once = make_tubes(0.01);
-    return once;
-}
-
-/// The true map of tubes, turned by `way` spacings.
-PartialMap turned(const Twins& tubes, double way) {
-    PartialMap map = tubes.true_map(tubes.all_samples());
-    const SampledMesh& source = tubes.pair().source;
-    const TriangleMesh& target = tubes.pair().target.mesh;
-    for (const int s : tubes.all_samples()) {
-        const int face = source.samples.point[s].face;
-        const Eigen::Vector3d around =
-            Eigen::Vector3d::UnitZ().cross(source.mesh.axis_x[face].cross(source.mesh.axis_y[face]));
-        const Complex along = unit(flatten(source.mesh, face, around)) * map.rotation[s];
-        const Trace t = trace(target, map.image[s], along, way * tubes.spacing());
-        map.put(target, s, t.end, map.rotation[s] * t.direction * std::conj(along));
-    }
-    return map;
 }
 
 TEST(Refine, LeavesARightMapRight) {
@@ -93,24 +44,39 @@ TEST(Refine, CuresDriftThatLengthsCannotSee) {
 TEST(Refine, IsNotCaughtByFineShapeThatRepeats) {
     const Twins& tubes = grooved_tubes();
     const PartialMap start = turned(tubes, 1.5);
-    DenseOptions only_fine;
+    DenseOptions with_coarse_options, only_fine;
+    with_coarse_options.refine_relief_iterations = only_fine.refine_relief_iterations = 0;
     only_fine.refine_iterations += only_fine.refine_coarse_iterations;
     only_fine.refine_coarse_iterations = 0;
     PartialMap with_coarse = start, without = start;
     Monitor monitor;
     const auto& options = tubes.options();
-    refine(with_coarse, tubes.pair(), options.feature, options.growth, {}, 2, monitor, 0.0, 1.0);
+    refine(with_coarse, tubes.pair(), options.feature, options.growth, with_coarse_options, 2, monitor, 0.0, 1.0);
     refine(without, tubes.pair(), options.feature, options.growth, only_fine, 2, monitor, 0.0, 1.0);
     EXPECT_NEAR(mean_error(tubes, start), 1.5, 0.1);
     EXPECT_GT(mean_error(tubes, without), 1.0);
     EXPECT_LT(mean_error(tubes, with_coarse), 0.3);
 }
 
+TEST(Refine, ReachesFartherWithReliefThanWithout) {
+    const PartialMap start = turned(tubes(), 3.0);
+    DenseOptions without;
+    without.refine_relief_iterations = 0;
+    PartialMap relieved = start, descriptors_only = start;
+    Monitor monitor;
+    const auto& options = tubes().options();
+    refine(relieved, tubes().pair(), options.feature, options.growth, {}, 2, monitor, 0.0, 1.0);
+    refine(descriptors_only, tubes().pair(), options.feature, options.growth, without, 2, monitor, 0.0, 1.0);
+    EXPECT_GT(mean_error(tubes(), descriptors_only), 0.5);
+    EXPECT_LT(mean_error(tubes(), relieved), 0.3);
+}
+
 TEST(Refine, ChangesNoBitWhereItIsOff) {
     const PartialMap before = twins().true_map(twins().all_samples());
     DenseOptions no_weight, no_iterations;
     no_weight.refine_weight = 0.0;
-    no_iterations.refine_coarse_iterations = no_iterations.refine_iterations = 0;
+    no_iterations.refine_coarse_iterations = no_iterations.refine_relief_iterations = no_iterations.refine_iterations =
+        0;
     for (const DenseOptions& options : {no_weight, no_iterations}) {
         PartialMap map = before;
         run(map, options);
