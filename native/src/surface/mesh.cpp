@@ -212,8 +212,18 @@ TriangleMesh build_mesh(const std::vector<Eigen::Vector3d>& position, const std:
 }
 
 TriangleMesh with_positions(const TriangleMesh& mesh, std::vector<Eigen::Vector3d> position, Monitor& monitor) {
-    TriangleMesh result = mesh;
+    // All else is measured anew.
+    TriangleMesh result;
     result.position = std::move(position);
+    result.face = mesh.face;
+    result.twin = mesh.twin;
+    result.vertex_face_begin = mesh.vertex_face_begin;
+    result.vertex_face = mesh.vertex_face;
+    result.component = mesh.component;
+    result.component_count = mesh.component_count;
+    result.input_vertex = mesh.input_vertex;
+    result.input_face = mesh.input_face;
+    result.input_reversed = mesh.input_reversed;
     measure(result, monitor);
     return result;
 }

@@ -38,7 +38,7 @@ FILLED = "isograft_filled"
 #: The attribute of faces that an OBJ file has: the name of the material, empty for none.
 MATERIAL = "material"
 _WORDS = {"point": "vertices", "weights": "vertices", "keys": "vertices", "corner": "corners of polygons",
-          "uv": "corners of polygons",          "face": "polygons", "edge": "edges"}  # fmt: skip
+          "uv": "corners of polygons", "face": "polygons", "edge": "edges"}  # fmt: skip
 _PLY_TYPES = {"i1": "char", "u1": "uchar", "i2": "short", "u2": "ushort", "i4": "int", "u4": "uint", "f4": "float",
               "f8": "double", "b1": "uchar"}  # fmt: skip
 
