@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from transfer_files import run
+from transfer_files import assert_refused, run
 
 REFUSALS = [
     (["--what", "weights"], "donor.obj: the donor has no vertex group; give a file that has with --target-data"),
@@ -36,10 +36,7 @@ def test_what_cannot_be_done_is_refused_and_nothing_is_written(
     layer_folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, options, words
 ) -> None:
     monkeypatch.chdir(layer_folder)
-    before = sorted(layer_folder.iterdir())
-    assert run(layer_folder, "bare.obj", *options) == 2
-    assert words in capsys.readouterr().err
-    assert sorted(layer_folder.iterdir()) == before
+    assert_refused(layer_folder, capsys, options, words)
 
 
 WRONG = [

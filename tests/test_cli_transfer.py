@@ -16,7 +16,7 @@ from isograft.files import read_mesh
 from isograft.formats.images import read_image, write_image
 from isograft.transfer import Channel, bake, invert, transfer_corner_uv, wrap
 from seamed_shapes import COARSE, DONORS, SHAPES
-from transfer_files import run, save, save_map, spoil_map
+from transfer_files import assert_refused, run, save, save_map, spoil_map
 
 
 @pytest.fixture(scope="module")
@@ -194,10 +194,7 @@ def test_what_cannot_be_done_is_refused_and_nothing_is_written(
     folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, options, words
 ) -> None:
     monkeypatch.chdir(folder)
-    before = sorted(folder.iterdir())
-    assert run(folder, "bare.obj", *options) == 2
-    assert words in capsys.readouterr().err
-    assert sorted(folder.iterdir()) == before
+    assert_refused(folder, capsys, options, words)
 
 
 def test_a_donor_without_the_data_or_a_map_of_another_donor_is_refused(

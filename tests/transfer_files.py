@@ -6,6 +6,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pytest
 from isograft.cli import main
 from isograft.correspondence import Correspondence
 from seamed_shapes import closest_points
@@ -57,6 +58,14 @@ def run(
     """The exit code."""
     names = [str(folder / name) for name in (receiver, donor, map_name)]
     return main(["transfer", *names, "-o", str(folder / out), *options])
+
+
+def assert_refused(folder: Path, capsys: pytest.CaptureFixture[str], options: list[str], words: str) -> None:
+    """With exit code 2 and these words, and nothing in the folder is new or gone."""
+    before = sorted(folder.iterdir())
+    assert run(folder, "bare.obj", *options) == 2
+    assert words in capsys.readouterr().err
+    assert sorted(folder.iterdir()) == before
 
 
 def spoil_map(folder: Path, lost) -> None:
