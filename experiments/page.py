@@ -64,7 +64,7 @@ and no features within r_min of a boundary (53.4 and 98 %). With 12 or 20 neighb
 maps alone, the cluster chosen is no better, and with q = 0 nearly all maps of samba become one cluster. The paper
 says of its clouds that *a feature descriptor less sensitive to holes could improve this*.
 
-At 10,000 vertices, the preset's own limit, SCAPE 005 takes 99 seconds of one processor and ends at 3.1 with 92 %
+At 10,000 vertices, the preset's own limit, SCAPE 005 takes 90 seconds of one processor and ends at 3.1 with 92 %
 within 0.1; at 4,000 it ends at 2.5 with 95 %, and with all of its 12,500 at 2.8 with 94 % after 164 seconds. So finer
 meshes cost time and gain nothing here. The runs shared two busy cores.
 """
