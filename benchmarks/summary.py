@@ -14,6 +14,7 @@ def summarise(rows: Iterable[Row]) -> list[Row]:
     """One entry per collection, method, and moved or not; then one over all pairs."""
     rows = list(rows)
     unmoved = {(row["id"], row["method"], row["reverse"]): row for row in rows if row["rotation"] == 0}
+    ours = {(name, reverse): row for (name, method, reverse), row in unmoved.items() if method == "isograft"}
     entries = []
     labels = list(dict.fromkeys(_label(row) for row in rows))
     for label in [*labels, "all"] if len(labels) > 1 else labels:
@@ -26,6 +27,8 @@ def summarise(rows: Iterable[Row]) -> list[Row]:
                 ]
                 if chosen:
                     entry = {"collection": label, "method": method, "moved": moved, **_summed(chosen)}
+                    if method != "isograft":
+                        entry["times_isograft"] = _times(chosen, ours)
                     if moved:
                         entry["largest_change"] = _largest_change(chosen, unmoved)
                     entries.append(entry)
@@ -52,6 +55,12 @@ def _summed(rows: list[Row]) -> Row:
         "ratio": _median(row.get("ratio") for row in rows),
         "peak_mb": max((row["peak_mb"] for row in rows if row.get("peak_mb") is not None), default=None),
     }
+
+
+def _times(peer: list[Row], ours: dict[tuple[str, bool], Row]) -> float | None:
+    """Seconds of a peer over isograft's on the same pair: the median over the pairs that both have run."""
+    seconds = ((row.get("seconds"), ours.get((row["id"], row["reverse"]), {}).get("seconds")) for row in peer)
+    return _median(theirs / own for theirs, own in seconds if theirs is not None and own)
 
 
 def _largest_change(moved: list[Row], unmoved: dict[tuple[str, str, bool], Row]) -> float | None:

@@ -14,8 +14,10 @@ LEGEND = (
     "Error: mean geodesic distance over the root of the target's area, times 100. Coverage: matched share of the"
     " vertices with a truth. False: share of the matched ones with an error over 10. IoU: matched set against the"
     " set with a truth, where the truth says which vertices have no counterpart. A failed pair counts with coverage 0."
-    " Ratio: seconds over the cost unit (one full geodesic window from every sample, one thread, same process). CPU:"
-    " seconds of all threads together, which a busy machine changes least. Memory: peak of the process after matching."
+    " Ratio: seconds over the cost unit (one full geodesic window from every sample, one thread, same process). Times"
+    " isograft: seconds of another method over isograft's on the same pairs; like seconds, comparable only where pairs"
+    " ran one at a time. CPU: seconds of all threads together, which a busy machine changes least. Memory: peak of the"
+    " process after matching."
 )
 
 _SHARES = ("coverage", "false_matches", "overlap_iou")
@@ -103,6 +105,7 @@ def reliability_tables(entries: list[Row]) -> str:
 
 def collection_table(entries: list[Row]) -> str:
     moved = any(entry["moved"] for entry in entries)
+    peers = any(entry["method"] != "isograft" for entry in entries)
     header = [
         "set",
         "method",
@@ -112,6 +115,7 @@ def collection_table(entries: list[Row]) -> str:
         "s (median)",
         "CPU s (median)",
         "ratio (median)",
+        *(["times isograft (median)"] if peers else []),
         "peak MB (max)",
     ]
     lines = []
@@ -119,6 +123,8 @@ def collection_table(entries: list[Row]) -> str:
         name = entry["collection"] + (", moved" if entry["moved"] else "")
         cells = [name, entry["method"], str(entry["pairs"]), str(entry["failed"]), *measure_cells(entry)]
         cells += [number(entry[name], 1) for name in ("seconds", "cpu_seconds", "ratio")]
+        if peers:
+            cells.append(number(entry.get("times_isograft"), 2))
         cells.append(number(entry["peak_mb"], 0))
         if moved:
             cells.append(number(entry.get("largest_change"), 2))

@@ -28,6 +28,7 @@ def refuse(text: str) -> None:
 
 def read(path: Path, name: str) -> bpy.types.Object:
     """The file as one mesh object: OBJ by Blender, for its materials; the rest by the package's readers."""
+    from isograft import Surface
     from isograft.errors import InvalidInput
     from isograft.files import read_mesh
 
@@ -37,6 +38,10 @@ def read(path: Path, name: str) -> bpy.types.Object:
         refuse(str(error))
     if not len(file.faces):
         refuse(f"{path}: holds no faces; the demo needs surfaces")
+    try:
+        Surface(file.vertices, file.faces)  # the add-on would refuse it too, but after the scene is made
+    except InvalidInput as error:
+        refuse(f"{path}: {error}")
     item = import_obj(path) if path.suffix.lower() == ".obj" else from_file(file)
     item.name = item.data.name = name
     item.data.polygons.foreach_set("use_smooth", np.ones(len(item.data.polygons), bool))

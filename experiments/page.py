@@ -149,21 +149,9 @@ def _times(rows: list[dict[str, Any]]) -> str:
     ]
     paper = " | ".join(f"{words}: {seconds:.0f}" for words, seconds in PAPER_SECONDS.values())
     lines.append(f"| paper, samba (space-carved) | not said | {paper} | about {2.4 * 3600:.0f} |")
-    old = []
     for row in rows:
-        if "cpu_stages" in row:
-            stages = row["cpu_stages"]
-        else:
-            old.append(row["pair"])
-            share = row["cpu_seconds"] / max(row["seconds"], 1e-9)
-            stages = {name: wall * share for name, wall in row["stages"].items()}
+        stages = row["cpu_stages"]
         seconds = " | ".join(f"{stages.get(name, 0.0):.1f}" for name in PAPER_SECONDS)
         lines.append(f"| {row['pair']} | {row['source_samples']} | {seconds} | {row['cpu_seconds']:.0f} |")
-    note = "Our seconds are those of the processor."
-    if old:
-        note += (
-            " Those of the stages were not counted then and are wall times times the share of it that the whole run "
-            f"had, which others' load makes wrong by a multiple: {', '.join(old)}."
-        )
-    lines += ["", note, ""]
+    lines += ["", "Our seconds are those of the processor.", ""]
     return "\n".join(lines)

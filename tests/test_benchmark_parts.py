@@ -22,6 +22,7 @@ from benchmarks.methods import find  # noqa: E402
 from benchmarks.results import Results, read_results  # noqa: E402
 from benchmarks.sampling import with_noise  # noqa: E402
 from benchmarks.summary import summarise  # noqa: E402
+from benchmarks.tables import collection_table  # noqa: E402
 
 
 def test_closest_points_are_no_farther_than_any_other_point_of_the_mesh():
@@ -77,6 +78,29 @@ def test_sums_count_failures_and_keep_partial_pairs_apart():
     assert (holes["collection"], holes["overlap_iou"]) == ("c partial-holes", None)
     assert (everything["collection"], everything["error"], everything["coverage"]) == ("all", 3.0, pytest.approx(0.6))
     assert (everything["seconds"], everything["peak_mb"]) == (2.0, 5.0)
+
+
+def test_seconds_of_peers_are_told_over_ours_on_the_same_pairs():
+    common = {"collection": "c", "category": "isometric", "rotation": 0, "reverse": False, "has_truth": False,
+              "has_overlap": False, "status": "ok", "peak_mb": 1.0}  # fmt: skip
+    seconds = {("a", "isograft"): 2.0, ("b", "isograft"): 8.0, ("c", "isograft"): 100.0,
+               ("a", "nearest"): 1.0, ("b", "nearest"): 2.0, ("b", "pyfm-zoomout"): 24.0,
+               ("d", "pyfm-zoomout"): 1000.0}  # fmt: skip
+    rows = [{**common, "id": name, "method": method, "seconds": s} for (name, method), s in seconds.items()]
+    # Ours moved, or the other way round, is another run.
+    rows.append({**common, "id": "d", "method": "isograft", "seconds": 1.0, "rotation": 1})
+    rows.append({**common, "id": "b", "method": "isograft", "seconds": 1.0, "reverse": True})
+    entries = {(e["collection"], e["method"], e["moved"]): e for e in summarise(rows)}
+    assert entries["c", "nearest", False]["times_isograft"] == pytest.approx((0.5 + 0.25) / 2)
+    assert entries["c", "pyfm-zoomout", False]["times_isograft"] == 3.0
+    assert "times_isograft" not in entries["c", "isograft", False]
+    lines = collection_table(list(entries.values())).splitlines()
+    column = [cell.strip() for cell in lines[0].split("|")].index("times isograft (median)")
+    told = {tuple(cell.strip() for cell in line.split("|"))[1:3]: line.split("|")[column].strip() for line in lines[2:]}
+    assert told["c", "pyfm-zoomout"] == "3.00"
+    assert told["c", "isograft"] == "-"
+    alone = [entry for entry in entries.values() if entry["method"] == "isograft"]
+    assert "times isograft" not in collection_table(alone)
 
 
 def test_rows_of_another_build_or_with_other_settings_are_set_aside(tmp_path):

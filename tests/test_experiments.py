@@ -100,14 +100,3 @@ def test_the_page_has_the_rows_their_sizes_and_their_times(ran: Any, tmp_path: P
     assert "Not run for this page: size." in page
     times = " | ".join(f"{row['cpu_stages'][name]:.1f}" for name in ("features", "growth", "clustering", "merging"))
     assert f"| planes | {row['source_samples']} | {times} | {row['cpu_seconds']:.0f} |" in page
-    assert "wall times" not in page
-    # A row that was kept by an older build.
-    path = settings.out / "planes/planes.paper.json"
-    older = {**row, "seconds": 10.0, "cpu_seconds": 5.0, "stages": {"features": 2.0, "growth": 4.0}}
-    del older["cpu_stages"]
-    path.write_text(json.dumps(older))
-    write_page([experiment], settings.out, tmp_path)
-    path.write_text(json.dumps(row))
-    page = (tmp_path / "experiments.md").read_text(encoding="utf-8")
-    assert f"| planes | {row['source_samples']} | 1.0 | 2.0 | 0.0 | 0.0 | 5 |" in page
-    assert "wrong by a multiple: planes." in page
