@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numeric>
 #include <sstream>
 
@@ -70,8 +71,11 @@ struct Grown {
     int seeds = 0;
 };
 
-Grown grow(const Pair& pair, const PatchSettings& settings, const MatchOptions& options, Monitor& monitor, double from,
-           double to) {
+/// Ends a stage: its name, and the bytes of what it keeps.
+using Lap = std::function<void(const char*, std::int64_t)>;
+
+Grown grow(const Pair& pair, const PatchSettings& settings, const MatchOptions& options, const Lap& lap,
+           Monitor& monitor, double from, double to) {
     const double seeded = from + 0.05 * (to - from);
     std::vector<OrientedMatch> seeds =
         landmark_seeds(pair, options.landmarks, options.feature, options.threads, monitor, from);
@@ -81,6 +85,7 @@ Grown grow(const Pair& pair, const PatchSettings& settings, const MatchOptions& 
             oriented_matches(pair, options.feature, options.seed, options.threads, monitor, from, seeded);
         seeds.insert(seeds.end(), found.begin(), found.end());
     }
+    lap("seeds", static_cast<std::int64_t>(seeds.size() * sizeof(OrientedMatch)));
     Grown grown;
     grown.patches = grow_patches(pair, settings, seeds, forced, monitor, seeded, to);
     // A patch's vote is exp(-2 quality).
@@ -232,7 +237,7 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
     for (const auto& w : target.warnings()) report.warnings.push_back("target: " + w);
     Stopwatch whole;
     Stopwatch watch;
-    const auto lap = [&](const char* name, std::int64_t bytes) {
+    const Lap lap = [&](const char* name, std::int64_t bytes) {
         const auto known = std::find_if(report.stages.begin(), report.stages.end(),
                                         [&](const StageReport& stage) { return stage.name == name; });
         if (known == report.stages.end()) {
@@ -256,6 +261,7 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
     const double carry = costs.answers(1) + perhaps + finish;
     const double search = costs.search(points) + perhaps;
     std::vector<Surface> surfaces = working_surfaces(source, target, options, watcher);
+    lap("surface", 0);
     PreparedPair prepared = prepare_pair(surfaces[0], surfaces[1], options, report, watcher, 0.0, 1.0, search);
     surfaces.clear();
     Pair& pair = prepared.pair;
@@ -265,14 +271,16 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
     double at = watcher.fraction();
     const double rest = blending + perhaps + finish;
     double until = end_of_part(at, 1.0, costs.growth(), rest);
-    Grown grown = grow(pair, settings, options, watcher, at, until);
+    Grown grown = grow(pair, settings, options, lap, watcher, at, until);
     if (const double factor = scale_correction(pair, grown, options, report, watcher); factor != 1.0) {
+        lap("growth", 0);
         at = watcher.fraction();
         const double described = end_of_part(at, 1.0, describing, costs.growth() + rest);
         rescale(prepared, factor, options, watcher, at, described);
         report.scale = prepared.setting.scale;
         until = end_of_part(described, 1.0, costs.growth(), rest);
-        grown = grow(pair, settings, options, watcher, described, until);
+        lap("scale", 0);
+        grown = grow(pair, settings, options, lap, watcher, described, until);
     }
     report.seeds_tried = grown.seeds;
     report.maps_grown = static_cast<int>(grown.patches.size());
@@ -296,7 +304,7 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
         Pair other = pair;
         resample(other, options, options.random_seed + 16 * static_cast<std::uint64_t>(attempt), watcher, at, sampled);
         lap("samples", other.source.samples.bytes() + other.target.samples.bytes());
-        const Grown again = grow(other, settings, options, watcher, sampled, until);
+        const Grown again = grow(other, settings, options, lap, watcher, sampled, until);
         report.seeds_tried += again.seeds;
         report.maps_grown += static_cast<int>(again.patches.size());
         lap("growth", map_bytes * static_cast<std::int64_t>(again.patches.size()));

@@ -82,10 +82,7 @@ TriangleMesh denoised(const TriangleMesh& mesh, double support, Monitor& monitor
         normal = std::move(smoothed);
     }
     keep_triangles(mesh, normal, place);
-    TriangleMesh result = build_mesh(place, mesh.face, mesh.input_face, mesh.input_reversed);
-    // Every vertex has one fan, so that none was renumbered.
-    result.input_vertex = mesh.input_vertex;
-    return result;
+    return with_positions(mesh, std::move(place), monitor);
 }
 
 }  // namespace isograft
