@@ -181,7 +181,7 @@ REFUSALS = [
     (["--what", "shape,uv"], "shape stands alone"),
     (["--what", "uv", "--texture", "image.npy"], "--texture is given and texture is not in --what"),
     (["--what", "texture"], "bare.obj: the receiver has no texture coordinates to bake into; add uv"),
-    (["--what", "uv,texture"], "the donor names no image as its colour; give --texture"),
+    (["--what", "uv,texture"], "the donor names no materials (mtllib) and so no image; give --texture"),
     (["--what", "uv,texture", "--texture", "none.npy"], "none.npy: No such file"),
     (["--what", "uv,texture", "--texture", "map.npz"], "map.npz: not an image"),
     (["--what", "uv,texture", "--texture", "image.npy", "--size", "0"], "size must be from 1"),

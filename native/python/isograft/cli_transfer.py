@@ -13,13 +13,23 @@ from typing import Any
 from isograft import grafting
 from isograft.cli_layers import add_layer_options, layer_options, open_layers
 from isograft.cli_outcome import NOTHING_MATCHED, OK, BadInput, ProgressLine, check_output, open_mesh
+from isograft.cli_textures import (
+    add_texture_options,
+    image_outputs,
+    libraries_of,
+    open_textures,
+    shown_material,
+    write_material,
+)
 from isograft.correspondence import Correspondence
 from isograft.errors import InvalidInput
 from isograft.files import MAP_SUFFIXES, MESH_SUFFIXES, MeshFile, read_map
-from isograft.formats.images import check_images, read_image, write_image
+from isograft.formats.atomic import together
+from isograft.formats.images import write_image
 from isograft.formats.layers import write_layers
-from isograft.formats.mesh_output import write_mtl, write_obj, write_ply_mesh
+from isograft.formats.mesh_output import face_materials, write_obj, write_ply_mesh
 from isograft.grafting_layers import LAYERS_OF
+from isograft.grafting_textures import Textures
 from isograft.transfer import invert
 from isograft.transfer.wrapping import METHODS
 
@@ -42,7 +52,7 @@ def add_transfer(commands: Any, epilog: str) -> None:
         "--what",
         required=True,
         metavar="KIND,...",
-        help="uv (texture coordinates, seams kept), color (of vertices), texture (an image baked into the receiver's "
+        help="uv (texture coordinates, seams kept), color (of vertices), texture (images baked into the receiver's "
         "texture coordinates, which are its own unless uv is asked for too), attributes (of vertices, corners, "
         "polygons and edges: numbers, booleans, strings), weights (vertex groups), keys (shape keys), normals (custom "
         "ones of corners), shape (alone: the donor's vertices and polygons in the receiver's shape)",
@@ -68,15 +78,10 @@ def add_transfer(commands: Any, epilog: str) -> None:
         help="with shape: the rest of the donor keeps its shape as rigidly as possible (default), or goes on smoothly",
     )
     parser.add_argument("--min-confidence", type=float, default=0.0, metavar="X", help="leave out less sure vertices")
-    parser.add_argument(
-        "--texture", metavar="IMAGE", help="the donor's image; default: the one that its .mtl names (map_Kd)"
-    )
-    parser.add_argument("--texture-output", metavar="IMAGE", help="default: OUT with .png for its suffix")
-    parser.add_argument("--size", type=int, default=1024, metavar="N", help="of the baked image (default: 1024)")
-    parser.add_argument("--margin", type=int, default=16, metavar="N", help="texels around what is baked (default: 16)")
     parser.add_argument("--threads", type=int, metavar="N", help="default: all cores")
     parser.add_argument("--progress", action="store_true", help="also where standard error is no terminal")
     parser.add_argument("--json", action="store_true", help="print the result as JSON")
+    add_texture_options(parser)
     add_layer_options(parser)
     parser.set_defaults(run=run_transfer)
 
@@ -88,8 +93,7 @@ def run_transfer(arguments: argparse.Namespace) -> int:
     options = layer_options(arguments, what)
     data_output = open_layers(arguments, what, source, target, options)
     _check_meshes(arguments, what, source, target)
-    image_path, texture_output = _images(arguments, what)
-    pixels = None if image_path is None else _open_image(image_path)
+    textures = open_textures(arguments, what, source, target)
     progress = ProgressLine() if arguments.progress or sys.stderr.isatty() else None
     try:
         correspondence = _correspondence(arguments, source, target)
@@ -100,7 +104,7 @@ def run_transfer(arguments: argparse.Namespace) -> int:
             what=what,
             cut_seams=arguments.cut_seams,
             fill=arguments.fill,
-            image=pixels,
+            textures=textures,
             size=arguments.size,
             margin=arguments.margin,
             layers=options,
@@ -111,28 +115,46 @@ def run_transfer(arguments: argparse.Namespace) -> int:
     finally:
         if progress is not None:
             progress.close()
-    # All is computed; now all is written, the mesh last, since it names the others.
-    material = None
-    if data_output is not None:
-        write_layers(data_output, result.mesh.layers)
-    if result.image is not None:
-        write_image(texture_output, result.image)
-        material = str(Path(arguments.output).with_suffix(".mtl").name)
-    if Path(arguments.output).suffix.lower() == ".obj":
-        if material is not None:
-            write_mtl(Path(arguments.output).with_suffix(".mtl"), Path(texture_output).name)
-        write_obj(arguments.output, result.mesh, material, _libraries(arguments))
-    else:
-        write_ply_mesh(arguments.output, result.mesh)
-    written = {"texture": texture_output if result.image is not None else None, "data": data_output}
+    written = _write(arguments, source, target, result, textures, data_output)
     return _report(arguments, correspondence, result, written)
+
+
+def _write(
+    arguments: argparse.Namespace,
+    source: MeshFile,
+    target: MeshFile,
+    result: grafting.Graft,
+    textures: Textures | None,
+    data_output: str | None,
+) -> dict[str, Any]:
+    """Write everything that was computed, all of it or nothing; returns the names by what they hold."""
+    output = Path(arguments.output)
+    images = {} if textures is None else image_outputs(arguments, textures)
+    with together() as beside:
+        if data_output is not None:
+            write_layers(beside(data_output), result.mesh.layers)
+        for path, pixels in zip(images.values(), result.images, strict=True):
+            write_image(beside(path), pixels)
+        if output.suffix.lower() == ".obj":
+            materials = face_materials(result.mesh)
+            libraries = [path for mesh in (source, target) for path in libraries_of(mesh)] if materials else []
+            if textures is not None:
+                materials, name = shown_material(materials, result.shown, libraries)
+                material = output.with_suffix(".mtl")
+                write_material(beside(material), material, name, textures, images)
+                libraries = [material, *libraries]
+            names = [os.path.relpath(path, output.parent) for path in dict.fromkeys(libraries)]
+            write_obj(beside(output), result.mesh, materials, names)
+        else:
+            write_ply_mesh(beside(output), result.mesh)
+    return {"textures": list(images.values()), "data": data_output}
 
 
 def _report(
     arguments: argparse.Namespace,
     correspondence: Correspondence,
     result: grafting.Graft,
-    written: dict[str, str | None],
+    written: dict[str, Any],
 ) -> int:
     code = OK if correspondence.matched.any() else NOTHING_MATCHED
     matched = int(correspondence.matched.sum())
@@ -151,7 +173,7 @@ def _report(
         }
         print(json.dumps(summary))
     else:
-        names = ", ".join([arguments.output, *(path for path in written.values() if path is not None)])
+        names = ", ".join([arguments.output, *written["textures"], *filter(None, [written["data"]])])
         print(f"{matched} of {len(correspondence)} vertices matched; {result.sentence()}: {names}")
     return code
 
@@ -184,64 +206,6 @@ def _check_meshes(arguments: argparse.Namespace, what: set[str], source: MeshFil
             raise BadInput(f"{path}: the file has no faces")
     if not 0.0 <= arguments.min_confidence <= 1.0:
         raise BadInput(f"--min-confidence must be from 0 to 1, not {arguments.min_confidence}")
-
-
-def _images(arguments: argparse.Namespace, what: set[str]) -> tuple[str | None, str]:
-    output = arguments.texture_output or str(Path(arguments.output).with_suffix(".png"))
-    if "texture" not in what:
-        for given, name in ((arguments.texture, "--texture"), (arguments.texture_output, "--texture-output")):
-            if given is not None:
-                raise BadInput(f"{name} is given and texture is not in --what")
-        return None, output
-    folder = Path(output).parent
-    if not folder.is_dir():
-        raise BadInput(f"{output}: there is no folder {folder}")
-    path = arguments.texture or _image_of(arguments.target)
-    check_images(path, output)
-    return path, output
-
-
-def _libraries(arguments: argparse.Namespace) -> list[str]:
-    """The material libraries of receiver and donor, as seen from the output."""
-    folder = Path(arguments.output).parent
-    found = [
-        os.path.relpath(Path(path).parent / name, folder)
-        for path in (arguments.source, arguments.target)
-        if Path(path).suffix.lower() == ".obj"
-        for name in _values(Path(path), "mtllib")
-    ]
-    return list(dict.fromkeys(found))
-
-
-def _image_of(path: str) -> str:
-    """The one image that an OBJ's materials name as their colour."""
-    images: set[Path] = set()
-    if Path(path).suffix.lower() == ".obj":
-        for name in _values(Path(path), "mtllib"):
-            library = Path(path).parent / name
-            if not library.is_file():
-                raise BadInput(f"{path}: its material library {library} does not exist; give --texture")
-            images |= {library.parent / value for value in _values(library, "map_kd")}
-    if len(images) != 1:
-        found = "names no image" if not images else f"names {len(images)} images"
-        raise BadInput(f"{path}: the donor {found} as its colour; give --texture")
-    return str(images.pop())
-
-
-def _values(path: Path, keyword: str) -> list[str]:
-    try:
-        lines = path.read_text(errors="replace").splitlines()
-    except OSError as error:
-        raise BadInput(f"{path}: {error.strerror or error}") from None
-    parts = [line.strip().split(None, 1) for line in lines]
-    return [part[1].strip() for part in parts if len(part) == 2 and part[0].lower() == keyword]
-
-
-def _open_image(path: str) -> Any:
-    try:
-        return read_image(path)
-    except OSError as error:
-        raise BadInput(f"{path}: {error.strerror or error}") from None
 
 
 def _correspondence(arguments: argparse.Namespace, source: MeshFile, target: MeshFile) -> Correspondence:

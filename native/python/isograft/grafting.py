@@ -18,10 +18,10 @@ from isograft.formats.layers import FILLED
 from isograft.formats.mesh import MeshFile, Polygons
 from isograft.formats.mesh_output import MeshOutput
 from isograft.grafting_layers import LayerOptions, graft_layers, moves_layers
+from isograft.grafting_textures import Textures
 from isograft.progress import part_of
 from isograft.transfer import (
     Baked,
-    Channel,
     CutMesh,
     bake,
     cut_along_seams,
@@ -40,8 +40,10 @@ class Graft:
     """Everything that is written."""
 
     mesh: MeshOutput
-    #: (height, width, components), the first row the lowest.
-    image: Array | None = None
+    #: Per channel of the textures (height, width, components), the first row the lowest.
+    images: list[Array] = field(default_factory=list)
+    #: (p,) polygons that are shown by the images.
+    shown: npt.NDArray[np.bool_] | None = None
     #: What was moved, by name.
     counts: dict[str, int] = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
@@ -72,7 +74,7 @@ def graft(
     what: set[str],
     cut_seams: bool = False,
     fill: bool = False,
-    image: Array | None = None,
+    textures: Textures | None = None,
     size: int = 1024,
     margin: int = 16,
     layers: LayerOptions | None = None,
@@ -82,7 +84,7 @@ def graft(
 ) -> Graft:
     """Move uv, color, texture, attributes, weights, keys, normals, or the shape (alone).
 
-    `image` is the donor's, for texture; `layers` says which attributes, weights and keys, and how. With `cut_seams`
+    `textures` are the donor's, for texture; `layers` says which attributes, weights and keys, and how. With `cut_seams`
     polygons of the receiver that the donor's seams cross are cut along them, into triangles; layers of its own are then
     left out. `unmatched` is wrap()'s method, for the shape.
 
@@ -124,16 +126,12 @@ def graft(
         mesh.colors, made_up = _colors(placed, receiver, donor, fill, part_of(progress, 0.2, 0.3))
         filled |= made_up
         result.counts["vertices_coloured"] = int(((placed.face >= 0) | made_up).sum())
-    if "texture" in what and image is not None and triangle_uvs is not None:
+    if textures is not None and triangle_uvs is not None:
         usable: Array = np.asarray(np.isfinite(triangle_uvs).all(axis=(1, 2))) if has_uvs is None else has_uvs
         bench = partial(
             bake, size=size, margin=margin, fill=fill, threads=threads, progress=part_of(progress, 0.3, 1.0)
         )
-        baked = _bake(bench, placed, receiver, donor, image, triangle_uvs, usable)
-        result.image = baked.images[0]
-        filled[receiver.faces[baked.filled & usable]] = True
-        result.counts["texels_baked"] = int((baked.mask == 1).sum())
-        result.warnings += _beyond_the_square(triangle_uvs, usable)
+        filled |= _bake(bench, placed, receiver, donor, textures, triangle_uvs, usable, result)
     if has_layers:
         moved = graft_layers(
             placed, receiver, donor, what, layers or LayerOptions(), fill=fill, threads=threads, progress=last
@@ -235,11 +233,13 @@ def _bake(
     correspondence: CorrespondenceArrays,
     receiver: MeshFile,
     donor: MeshFile,
-    image: Array,
+    textures: Textures,
     triangle_uvs: Array,
     usable: Array,
-) -> Baked:
-    return run(
+    result: Graft,
+) -> npt.NDArray[np.bool_]:
+    """Put the images into `result`; returns the vertices (n,) around which they were made up."""
+    baked = run(
         correspondence,
         receiver.vertices,
         receiver.faces,
@@ -247,9 +247,22 @@ def _bake(
         donor.vertices,
         donor.faces,
         _whole(donor, "read an image with"),
-        Channel(image),
+        [item.channel for item in textures.channels],
+        donor_materials=textures.triangle_materials,
         receiver_mask=usable,
     )
+    made_up = baked.filled & usable
+    has_image = usable & ((np.asarray(correspondence.face)[receiver.faces] >= 0).all(axis=1) | made_up)
+    result.images = list(baked.images)
+    result.shown = np.zeros(len(receiver.polygons.sizes), bool)
+    result.shown[receiver.triangle_polygon[has_image]] = True
+    result.shown[receiver.triangle_polygon[~has_image]] = False
+    result.counts["images"] = len(result.images)
+    result.counts["texels_baked"] = int((baked.mask == 1).sum())
+    result.warnings += [*textures.warnings, *_beyond_the_square(triangle_uvs, usable)]
+    filled = np.zeros(len(receiver.vertices), bool)
+    filled[receiver.faces[made_up]] = True
+    return filled
 
 
 def _beyond_the_square(triangle_uvs: Array, usable: Array) -> list[str]:

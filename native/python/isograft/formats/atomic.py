@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO
@@ -30,4 +30,26 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
     except BaseException:
         with suppress(FileNotFoundError):
             part.unlink()
+        raise
+
+
+@contextmanager
+def together() -> Iterator[Callable[[str | os.PathLike[str]], Path]]:
+    """A function that names, for a path, a file beside it to write instead: all of them take their places when the
+    block ends, and are removed if it raises."""
+    parts: dict[Path, Path] = {}
+
+    def beside(path: str | os.PathLike[str]) -> Path:
+        target = Path(path)
+        # The suffix stays: it says what is written.
+        parts[target] = target.with_name(f".{os.getpid()}.{len(parts)}.{target.name}")
+        return parts[target]
+
+    try:
+        yield beside
+        for target, part in parts.items():
+            part.replace(target)
+    except BaseException:
+        for part in parts.values():
+            part.unlink(missing_ok=True)
         raise

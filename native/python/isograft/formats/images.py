@@ -27,11 +27,19 @@ def _pillow(path: PathLike) -> Any:
     return Image
 
 
-def check_images(*paths: PathLike) -> None:
-    """Raises InvalidInput now rather than after long work if images of these names need what is not installed."""
-    for path in paths:
-        if Path(path).suffix.lower() != ".npy":
-            _pillow(path)
+def check_image_output(path: PathLike) -> None:
+    """Raises InvalidInput now rather than after long work if an image of this name could not be written."""
+    if Path(path).suffix.lower() != ".npy":
+        _kind(path)
+
+
+def _kind(path: PathLike) -> str:
+    """Pillow's name of the format that the suffix stands for."""
+    image_module = _pillow(path)
+    kind = image_module.registered_extensions().get(Path(path).suffix.lower())
+    if kind is None or kind not in image_module.SAVE:
+        raise InvalidInput(f"{path}: images of this kind cannot be written: use .png")
+    return str(kind)
 
 
 def read_image(path: PathLike) -> npt.NDArray[Any]:
@@ -80,13 +88,12 @@ def write_image(path: PathLike, pixels: npt.NDArray[Any]) -> None:
         with replacing(path) as file:
             np.save(file, pixels, allow_pickle=False)
         return
-    image_module = _pillow(path)
+    kind = _kind(path)
     levels = pixels if pixels.dtype == np.uint8 else np.rint(255 * np.clip(pixels, 0, 1)).astype(np.uint8)
     if levels.shape[2] == 2 and suffix != ".png":
         levels = levels[:, :, :1]
+    if kind == "JPEG":
+        levels = levels[:, :, :3]
     levels = levels[::-1, :, 0] if levels.shape[2] == 1 else levels[::-1]
-    kind = image_module.registered_extensions().get(suffix)
-    if kind is None:
-        raise InvalidInput(f"{path}: images of this kind cannot be written: use .png")
     with replacing(path) as file:
-        image_module.fromarray(np.ascontiguousarray(levels)).save(file, format=kind)
+        _pillow(path).fromarray(np.ascontiguousarray(levels)).save(file, format=kind)

@@ -37,13 +37,11 @@ class MeshOutput:
     layers: Layers = field(default_factory=Layers)
 
 
-def write_obj(path: PathLike, mesh: MeshOutput, material: str | None = None, libraries: Sequence[str] = ()) -> None:
-    """`material` is the file named by mtllib, its material is called isograft. OBJ has no place for marks.
-
-    Without it the faces have the materials of the layer MATERIAL, if that is of strings, from `libraries`.
-    """
-    materials = _materials(mesh, material)
-    lines = [f"mtllib {name}\n" for name in ([material] if material else libraries if materials else ())]
+def write_obj(path: PathLike, mesh: MeshOutput, materials: Sequence[str] = (), libraries: Sequence[str] = ()) -> None:
+    """`materials` has the name of every polygon's material, of which `libraries` tell. OBJ has no place for marks."""
+    # An empty one is called as other programs do.
+    materials = [" ".join(name.split()) or "None" for name in materials]
+    lines = [f"mtllib {name}\n" for name in libraries]
     rows = mesh.vertices.tolist()
     if mesh.colors is None:
         lines += [f"v {x:.9g} {y:.9g} {z:.9g}\n" for x, y, z in rows]
@@ -70,14 +68,10 @@ def write_obj(path: PathLike, mesh: MeshOutput, material: str | None = None, lib
         file.write("".join(lines).encode())
 
 
-def _materials(mesh: MeshOutput, material: str | None) -> list[str]:
-    """The name of every polygon's material, None for an empty one as other programs write it; [] without any."""
-    if material:
-        return ["isograft"] * len(mesh.sizes)
+def face_materials(mesh: MeshOutput) -> list[str]:
+    """The name of every polygon's material, as the layer MATERIAL has them; [] if that is not of strings."""
     names = mesh.layers.face.get(MATERIAL)
-    if names is None or names.dtype.kind != "U" or names.ndim != 1:
-        return []
-    return [" ".join(name.split()) or "None" for name in names.tolist()]
+    return [] if names is None or names.dtype.kind != "U" or names.ndim != 1 else names.tolist()
 
 
 def _drop_parts(texts: list[str], sizes: Ints) -> None:
@@ -89,12 +83,6 @@ def _drop_parts(texts: list[str], sizes: Ints) -> None:
             for i in corners:
                 texts[i] = texts[i].partition("/")[0]
         start += size
-
-
-def write_mtl(path: PathLike, image: str) -> None:
-    """One material, isograft, with an image as its colour."""
-    with replacing(path) as file:
-        file.write(f"newmtl isograft\nKd 1 1 1\nmap_Kd {image}\n".encode())
 
 
 def write_ply_mesh(path: PathLike, mesh: MeshOutput) -> None:
