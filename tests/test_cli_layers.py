@@ -175,7 +175,7 @@ def test_a_ply_takes_what_it_has_a_place_for_and_the_npz_everything(layer_folder
     np.testing.assert_array_equal(found.corner_uvs, plain.corner_uvs)
 
 
-def test_what_the_receivers_ply_carries_stays_unless_it_is_cut(layer_folder: Path, capsys: Any) -> None:
+def test_what_the_receivers_ply_carries_stays(layer_folder: Path) -> None:
     mesh = read_mesh(layer_folder / "quads.obj")
     own = Layers(point={"mine": np.arange(54, dtype=np.int32)}, face={"part": np.arange(45, dtype=np.uint8)})
     sizes, corners = mesh.polygons.sizes, mesh.polygons.corners
@@ -184,10 +184,6 @@ def test_what_the_receivers_ply_carries_stays_unless_it_is_cut(layer_folder: Pat
     found = read_mesh(layer_folder / "out.ply").layers
     np.testing.assert_array_equal(found.point["mine"], np.arange(54))
     np.testing.assert_array_equal(found.face["part"], np.arange(45))
-    assert "left out" not in capsys.readouterr().err
-    assert run(layer_folder, "own.ply", "--what", "uv", "--cut-seams", out="cut.ply") == 0
-    assert "the receiver's own layers are not cut along, and are left out" in capsys.readouterr().err
-    assert not read_mesh(layer_folder / "cut.ply").layers
 
 
 def test_own_data_are_written_again_where_none_come_to_them(layer_folder: Path) -> None:
@@ -269,9 +265,6 @@ def test_polygons_that_are_cut_carry_layers_too(layer_folder: Path, capsys: Any)
     assert len(found["face/material"]) == len(mesh.polygons.sizes)
     # New vertices lie on the receiver's flat sides, a little inside of the donor's round ones.
     assert np.abs(found["point/place"] - mesh.vertices).max() < 0.1
-    own = own_data(layer_folder, point_height=np.zeros(54))
-    assert run(layer_folder, "quads.obj", "--what", "uv,attributes", "--cut-seams", *own) == 2
-    assert "leave one of the two out" in capsys.readouterr().err
 
 
 def test_normals_of_the_receiver_are_overwritten_on_request_only(layer_folder: Path, capsys: Any) -> None:
@@ -281,3 +274,67 @@ def test_normals_of_the_receiver_are_overwritten_on_request_only(layer_folder: P
     assert "custom normals of its own; give --overwrite" in capsys.readouterr().err
     found = layers(layer_folder, "bare.obj", "--what", "normals", *own, "--overwrite")
     assert not np.allclose(found["normals"], [0.0, 0.0, 1.0])
+
+
+def with_normals(folder: Path, name: str, normals: np.ndarray) -> None:
+    """Give an OBJ a vn of its own at every corner."""
+    rows = iter(range(1, len(normals) + 1))
+    lines = []
+    for line in (folder / name).read_text().splitlines():
+        keyword, *words = line.split()
+        if keyword == "f":
+            words = [f"{word}{'' if '/' in word else '/'}/{next(rows)}" for word in words]
+        lines.append(" ".join([keyword, *words]))
+    table = [f"vn {x!r} {y!r} {z!r}" for x, y, z in normals.tolist()]
+    (folder / name).write_text("\n".join([*table, *lines]) + "\n")
+
+
+def test_normals_of_an_obj_arrive_in_an_obj_turned(layer_folder: Path) -> None:
+    given = np.random.default_rng(0).normal(size=(288, 4, 3))
+    given /= np.linalg.norm(given, axis=2, keepdims=True)
+    # Those of one quad are left out.
+    given[10] = 0.0
+    given = given.reshape(-1, 3)
+    with_normals(layer_folder, "donor.obj", given)
+    np.testing.assert_array_equal(read_mesh(layer_folder / "donor.obj").layers.normals, given)
+    assert run(layer_folder, "twin.obj", "--what", "normals", map_name="same.npz") == 0
+    found = read_mesh(layer_folder / "out.obj").layers.normals
+    np.testing.assert_allclose(found, given @ turn().T, rtol=0, atol=1e-6)
+    np.testing.assert_allclose(found, np.load(layer_folder / "out.npz")["normals"], rtol=0, atol=1e-8)
+
+
+def test_a_receivers_normals_stay_or_are_overwritten_on_request(layer_folder: Path, capsys: Any) -> None:
+    mesh = read_mesh(layer_folder / "quads.obj")
+    own = np.tile([0.0, 0.0, 1.0], (len(mesh.polygons.corners), 1))
+    with_normals(layer_folder, "quads.obj", own)
+    assert run(layer_folder, "quads.obj", "--what", "uv") == 0
+    kept = read_mesh(layer_folder / "out.obj")
+    np.testing.assert_array_equal(kept.layers.normals, own)
+    assert kept.corner_uvs is not None
+    options = ("--what", "normals", "--target-data", str(layer_folder / "all.npz"))
+    assert run(layer_folder, "quads.obj", *options) == 2
+    assert "the receiver has custom normals of its own; give --overwrite" in capsys.readouterr().err
+    assert run(layer_folder, "quads.obj", *options, "--overwrite") == 0
+    assert (read_mesh(layer_folder / "out.obj").layers.normals != own).any()
+
+
+def test_a_ply_has_normals_where_each_vertex_has_one(layer_folder: Path) -> None:
+    mesh = read_mesh(layer_folder / "quads.obj")
+    smooth = mesh.vertices * [1, 1, 0]
+    with_normals(layer_folder, "quads.obj", smooth[mesh.polygons.corners])
+    assert run(layer_folder, "quads.obj", "--what", "uv", out="out.ply") == 0
+    np.testing.assert_array_equal(read_mesh(layer_folder / "out.ply").normals, smooth)
+    options = ("--what", "normals", "--overwrite", "--target-data", str(layer_folder / "all.npz"))
+    flat = np.arange(len(mesh.polygons.corners)) % 4 == 0
+    np.savez(layer_folder / "all.npz", normals=np.where(np.resize(flat, 1152)[:, None], [1.0, 0, 0], [0, 0.6, 0.8]))
+    assert run(layer_folder, "quads.obj", *options, out="out.ply") == 0
+    assert read_mesh(layer_folder / "out.ply").normals is None
+
+
+def test_normals_of_a_donor_follow_the_shape_that_it_is_given(layer_folder: Path) -> None:
+    given = np.tile([0.6, 0.0, 0.8], (1152, 1))
+    with_normals(layer_folder, "donor.obj", given)
+    assert run(layer_folder, "twin.obj", "--what", "shape", map_name="same.npz") == 0
+    found = read_mesh(layer_folder / "out.obj")
+    np.testing.assert_allclose(found.vertices, read_mesh(layer_folder / "twin.obj").vertices, rtol=0, atol=1e-6)
+    np.testing.assert_allclose(found.layers.normals, given @ turn().T, rtol=0, atol=1e-6)

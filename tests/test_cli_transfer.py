@@ -85,6 +85,27 @@ def test_colours_are_interpolated_and_kept_in_either_format(folder: Path) -> Non
         np.testing.assert_allclose(written.colors, expected, rtol=0, atol=step)
 
 
+@pytest.mark.parametrize(("kind", "words"), [("uv", "texture coordinates"), ("color", "vertex colours")])
+def test_what_the_receiver_has_is_overwritten_on_request_only(folder: Path, capsys: Any, kind: str, words: str) -> None:
+    shape = SHAPES["cylinder"](*COARSE["cylinder"], turn=0.37)
+    save(folder / "own.obj", shape, colors=True)
+    own, unmatched = read_mesh(folder / "own.obj"), np.arange(20, 23)
+    spoil_map(folder, unmatched)
+    assert run(folder, "own.obj", "--what", kind) == 2
+    assert f"own.obj: the receiver has {words} of its own; give --overwrite" in capsys.readouterr().err
+    assert not (folder / "out.obj").exists()
+    assert run(folder, "own.obj", "--what", kind, "--overwrite") == 0
+    found = read_mesh(folder / "out.obj")
+    # What is unmatched has its own yet.
+    at_hole = np.isin(own.faces, unmatched).any(axis=1)
+    same_uvs = np.isclose(found.triangle_uvs, own.triangle_uvs, rtol=0, atol=1e-6).all(axis=(1, 2))
+    same_colors = np.isclose(found.colors, own.colors, rtol=0, atol=1e-5).all(axis=1)
+    if kind == "uv":
+        assert same_uvs[at_hole].all() and not same_uvs[~at_hole].any() and same_colors.all()
+    else:
+        assert same_colors[unmatched].all() and not same_colors.all() and same_uvs.all()
+
+
 @pytest.mark.parametrize("kind", ["npy", "png"])
 def test_a_baked_texture_is_that_of_the_function_and_named_by_the_mesh(folder: Path, kind: str) -> None:
     pytest.importorskip("PIL")

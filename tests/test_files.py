@@ -148,6 +148,15 @@ def test_obj_keeps_vertices_whole_and_corner_uvs_apart(tmp_path: Path, ending: s
     triangle_uvs = mesh.triangle_uvs
     assert triangle_uvs is not None
     assert triangle_uvs.shape == (len(mesh.faces), 3, 2)
+    normals = mesh.layers.normals
+    assert normals is not None
+    assert normals.tolist() == [[0, 0, 0]] * 9 + [[0, 0, 1]] * 7
+
+
+def test_normals_that_a_file_numbers_and_does_not_write_are_passed_over(tmp_path: Path) -> None:
+    mesh = read_mesh(save(tmp_path / "a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1//1 2//2 3//3\n"))
+    assert mesh.faces.tolist() == [[0, 1, 2]]
+    assert mesh.layers.normals is None
 
 
 def test_obj_colours_behind_the_coordinates_are_read(tmp_path: Path) -> None:

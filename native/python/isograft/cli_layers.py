@@ -17,7 +17,7 @@ _DEFAULTS = LayerOptions()
 #: Names of options that need one of some kinds, and those.
 _NEEDS = {
     "target_data": tuple(LAYERS_OF), "source_data": tuple(LAYERS_OF), "data_output": tuple(LAYERS_OF),
-    "names": ("uv", "attributes", "weights", "keys"), "overwrite": tuple(LAYERS_OF), "locked": ("weights", "keys"),
+    "names": ("uv", "attributes", "weights", "keys"), "overwrite": (*LAYERS_OF, "color"), "locked": ("weights", "keys"),
     "mix_mode": ("weights",), "mix_factor": ("weights",), "normalise": ("weights",), "limit_total": ("weights",),
     "key_scale": ("keys",), "key_smoothing": ("keys",),
 }  # fmt: skip
@@ -37,7 +37,10 @@ def add_layer_options(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--data-output", metavar="DATA", help="default: OUT with .npz for its suffix")
     group.add_argument("--names", metavar="NAME,...", help="only these, with * and ? (default: all)")
     group.add_argument(
-        "--overwrite", action="store_true", help="what the receiver has of the same name; default: NAME.001 beside it"
+        "--overwrite",
+        action="store_true",
+        help="what the receiver has of the same name, and its texture coordinates, colours and normals; default: "
+        "NAME.001 beside it, and a refusal",
     )
     group.add_argument("--locked", metavar="NAME,...", help="vertex groups and shape keys that may not be overwritten")
     group.add_argument("--mix-mode", choices=MIX_MODES, help="with own weights (default: replace)")
@@ -64,8 +67,6 @@ def layer_options(arguments: argparse.Namespace, what: set[str]) -> LayerOptions
     for name, kinds in _NEEDS.items():
         if getattr(arguments, name) not in (None, False) and what.isdisjoint(kinds):
             raise BadInput(f"{_flag(name)} is given and none of {', '.join(kinds)} is in --what")
-    if arguments.source_data and arguments.cut_seams:
-        raise BadInput("--source-data counts polygons that --cut-seams cuts; leave one of the two out")
     if arguments.mix_factor is not None and not 0.0 <= arguments.mix_factor <= 1.0:
         raise BadInput(f"--mix-factor must be from 0 to 1, not {arguments.mix_factor}")
     if arguments.limit_total is not None and arguments.limit_total < 1:

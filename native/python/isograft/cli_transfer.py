@@ -193,6 +193,15 @@ def _check_meshes(arguments: argparse.Namespace, what: set[str], source: MeshFil
         raise BadInput(f"{arguments.target}: the donor has no texture coordinates; leave uv out of --what")
     if "color" in what and target.colors is None:
         raise BadInput(f"{arguments.target}: the donor has no vertex colours; leave color out of --what")
+    for kind, words, own, given in (
+        ("uv", "texture coordinates", source.corner_uvs, target.corner_uvs),
+        ("color", "vertex colours", source.colors, target.colors),
+    ):
+        if kind in what and own is not None and given is not None and not arguments.overwrite:
+            raise BadInput(
+                f"{arguments.source}: the receiver has {words} of its own; give --overwrite, or leave {kind} out of "
+                "--what"
+            )
     if "texture" in what and target.corner_uvs is None:
         raise BadInput(f"{arguments.target}: the donor has no texture coordinates to read an image with")
     if "texture" in what and "uv" not in what and source.corner_uvs is None:

@@ -7,6 +7,7 @@ import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -15,16 +16,16 @@ import numpy.typing as npt
 from isograft.correspondence import Correspondence
 from isograft.errors import InvalidInput
 from isograft.formats.layers import FILLED
-from isograft.formats.mesh import MeshFile, Polygons
+from isograft.formats.mesh import MeshFile
 from isograft.formats.mesh_output import MeshOutput
+from isograft.grafting_cut import cut_receiver
 from isograft.grafting_layers import LayerOptions, graft_layers, moves_layers
+from isograft.grafting_moves import Mover
 from isograft.grafting_textures import Textures
 from isograft.progress import part_of
 from isograft.transfer import (
     Baked,
-    CutMesh,
     bake,
-    cut_along_seams,
     fill_corner,
     fill_point,
     transfer_corner_uv,
@@ -85,8 +86,8 @@ def graft(
     """Move uv, color, texture, attributes, weights, keys, normals, or the shape (alone).
 
     `textures` are the donor's, for texture; `layers` says which attributes, weights and keys, and how. With `cut_seams`
-    polygons of the receiver that the donor's seams cross are cut along them, into triangles; layers of its own are then
-    left out. `unmatched` is wrap()'s method, for the shape.
+    polygons of the receiver that the donor's seams cross are cut along them, into triangles, with all that the receiver
+    carries. `unmatched` is wrap()'s method, for the shape.
 
     Raises:
         InvalidInput: the map does not fit, or the donor's data cannot be used.
@@ -97,10 +98,13 @@ def graft(
     warnings: list[str] = []
     placed: CorrespondenceArrays = correspondence
     if cut_seams:
-        if receiver.layers:
-            warnings.append(f"{receiver.path}: the receiver's own layers are not cut along, and are left out")
-        placed, receiver, counts["polygons_cut"] = _cut(
-            correspondence, receiver, donor, threads, part_of(progress, 0.0, 0.1)
+        placed, receiver, counts["polygons_cut"] = cut_receiver(
+            correspondence,
+            receiver,
+            donor,
+            _whole(donor, "cut along"),
+            threads=threads,
+            progress=part_of(progress, 0.0, 0.1),
         )
     progress = part_of(progress, 0.1, 1.0) if cut_seams else progress
     has_layers = moves_layers(what, donor)
@@ -118,7 +122,8 @@ def graft(
     if "uv" in what and donor.corner_uvs is not None:
         triangle_uvs, has_uvs, made_up = _uvs(placed, receiver, donor, fill, threads, part_of(progress, 0.0, 0.2))
         filled[receiver.faces[made_up]] = True
-        corner_uvs: Array = np.full((len(polygons.corners), 2), np.nan)
+        own = receiver.corner_uvs
+        corner_uvs: Array = np.full((len(polygons.corners), 2), np.nan) if own is None else own
         corner_uvs[receiver.triangle_corners[has_uvs]] = triangle_uvs[has_uvs]
         mesh.corner_uvs = corner_uvs
         result.counts["polygons_with_uv"] = len(np.unique(receiver.triangle_polygon[has_uvs]))
@@ -158,48 +163,6 @@ def _whole(mesh: MeshFile, purpose: str) -> Array:
             f"triangle {int(lacking.argmax())}; unwrap all of the mesh"
         )
     return uvs
-
-
-def _cut(
-    correspondence: Correspondence, receiver: MeshFile, donor: MeshFile, threads: int | None, progress: Progress | None
-) -> tuple[CutMesh, MeshFile, int]:
-    """The map and the receiver with the polygons cut, whose number comes along; colours are cut along, UVs are not."""
-    cut = cut_along_seams(
-        correspondence,
-        receiver.vertices,
-        receiver.faces,
-        donor.vertices,
-        donor.faces,
-        _whole(donor, "cut along"),
-        threads=threads,
-        progress=progress,
-    )
-    old = receiver.polygons
-    is_cut = np.zeros(len(old.sizes), bool)
-    is_cut[receiver.triangle_polygon[np.bincount(cut.parent, minlength=len(receiver.faces)) > 1]] = True
-    polygon = receiver.triangle_polygon[cut.parent]
-    whole, pieces = ~is_cut[polygon], cut.faces[is_cut[polygon]]
-    kept = np.repeat(~is_cut, old.sizes)
-    number, corner = np.cumsum(~is_cut) - 1, np.cumsum(kept) - 1
-    at_end = kept.sum() + np.arange(3 * len(pieces)).reshape(-1, 3)
-    colors = old.colors
-    if colors is not None:
-        share = cut.fraction[:, None]
-        colors = np.concatenate([colors, (1 - share) * colors[cut.edges[:, 0]] + share * colors[cut.edges[:, 1]]])
-    mesh = MeshFile(
-        receiver.path,
-        cut.vertices,
-        np.concatenate([cut.faces[whole], pieces]),
-        np.concatenate([number[polygon[whole]], (~is_cut).sum() + np.arange(len(pieces))]).astype(np.int32),
-        np.concatenate([corner[receiver.triangle_corners[cut.parent[whole]]], at_end]).astype(np.int32),
-        Polygons(
-            cut.vertices,
-            np.concatenate([old.sizes[~is_cut], np.full(len(pieces), 3, old.sizes.dtype)]),
-            np.concatenate([old.corners[kept], pieces.ravel()]),
-            colors,
-        ),
-    )
-    return cut, mesh, int(is_cut.sum())
 
 
 def _uvs(
@@ -307,7 +270,12 @@ def _shape(
         threads=threads,
         progress=progress,
     )
-    polygons = donor.polygons
+    polygons, layers = donor.polygons, donor.layers
+    if layers.normals is not None:
+        itself = _identity(donor)
+        placed = dataclasses.replace(donor, vertices=wrapped.vertices)
+        moved = Mover(itself, placed, donor, None, False, threads, None).normals(layers.normals)
+        layers = dataclasses.replace(layers, normals=moved.values)
     mesh = MeshOutput(
         wrapped.vertices,
         polygons.sizes,
@@ -315,6 +283,18 @@ def _shape(
         donor.colors,
         donor.corner_uvs,
         filled=wrapped.filled,
-        layers=donor.layers,
+        layers=layers,
     )
     return Graft(mesh, counts={"vertices_placed": int((~wrapped.filled).sum()), "completed": int(wrapped.filled.sum())})
+
+
+def _identity(mesh: MeshFile) -> CorrespondenceArrays:
+    """The map of a mesh to itself."""
+    count = len(mesh.vertices)
+    face, barycentric = np.full(count, -1, np.int32), np.zeros((count, 3))
+    corner = np.zeros(count, np.int64)
+    face[mesh.faces.ravel()] = np.repeat(np.arange(len(mesh.faces)), 3)
+    corner[mesh.faces.ravel()] = np.tile(np.arange(3), len(mesh.faces))
+    barycentric[np.arange(count), corner] = 1.0
+    vertex = np.where(face >= 0, np.arange(count), -1).astype(np.int32)
+    return SimpleNamespace(face=face, barycentric=barycentric, vertex=vertex)

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from isograft.errors import InvalidInput
 from isograft.formats.layers import DOMAINS, FILLED, Layers
 from isograft.formats.mesh import MeshFile
-from isograft.grafting_moves import Moved, Mover
+from isograft.grafting_moves import Moved, Mover, edges_of
 from isograft.names import Names, choose
 from isograft.progress import part_of
 from isograft.transfer import mix_weights, tidy_weights
@@ -82,7 +82,7 @@ def choose_layers(what: set[str], donor: MeshFile, options: LayerOptions) -> dic
         # What the file itself has.
         has = (
             has
-            or (kind == "normals" and _normals(donor) is not None)
+            or (kind == "normals" and donor.layers.normals is not None)
             or (kind == "uv" and donor.corner_uvs is not None)
         )
         if not has:
@@ -133,17 +133,6 @@ def graft_layers(
         else:
             _graft_attributes(mover, kind, chosen[kind], options, result)
     return result
-
-
-def edges_of(mesh: MeshFile) -> npt.NDArray[np.int32]:
-    """(e, 2) vertices of the polygons' edges, the lower first, in ascending order."""
-    sizes = mesh.polygons.sizes[mesh.polygons.sizes > 0].astype(np.int64)
-    ends = np.cumsum(sizes)
-    following = np.arange(1, int(sizes.sum()) + 1)
-    following[ends - 1] = ends - sizes
-    corners = mesh.polygons.corners
-    pairs = np.sort(np.stack([corners, corners[following]], axis=1), axis=1)
-    return np.unique(pairs[pairs[:, 0] != pairs[:, 1]], axis=0).astype(np.int32).reshape(-1, 2)
 
 
 def _graft_attributes(mover: Mover, kind: str, names: list[str], options: LayerOptions, result: LayerGraft) -> None:
@@ -215,18 +204,10 @@ def _graft_normals(mover: Mover, options: LayerOptions, result: LayerGraft) -> N
             "out of --what"
         )
     with _named(f"{mover.donor.path}: normals"):
-        moved = mover.normals(_normals(mover.donor))
+        moved = mover.normals(mover.donor.layers.normals)
     result.layers.normals = _beside(moved, own)
     result.filled |= moved.filled
     result.counts["corners_with_normals"] = int(moved.known.sum())
-
-
-def _normals(mesh: MeshFile) -> Array | None:
-    """(c, 3) custom normals of the corners, or the file's normals of vertices at the corners; None without any."""
-    if mesh.layers.normals is None and mesh.normals is not None:
-        at_corners: Array = mesh.normals[mesh.polygons.corners]
-        return at_corners
-    return mesh.layers.normals
 
 
 def _locked(receiver: MeshFile, options: LayerOptions) -> set[str]:

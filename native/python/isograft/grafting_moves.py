@@ -196,3 +196,14 @@ class Mover:
         marked[self.receiver.faces[filled]] = True
         marked[self.receiver.faces[known]] = False
         return marked
+
+
+def edges_of(mesh: MeshFile) -> npt.NDArray[np.int32]:
+    """(e, 2) vertices of the polygons' edges, the lower first, in ascending order."""
+    sizes = mesh.polygons.sizes[mesh.polygons.sizes > 0].astype(np.int64)
+    ends = np.cumsum(sizes)
+    following = np.arange(1, int(sizes.sum()) + 1)
+    following[ends - 1] = ends - sizes
+    corners = mesh.polygons.corners
+    pairs = np.sort(np.stack([corners, corners[following]], axis=1), axis=1)
+    return np.unique(pairs[pairs[:, 0] != pairs[:, 1]], axis=0).astype(np.int32).reshape(-1, 2)

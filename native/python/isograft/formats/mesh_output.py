@@ -51,13 +51,16 @@ def write_obj(path: PathLike, mesh: MeshOutput, materials: Sequence[str] = (), l
             for (x, y, z), (r, g, b) in zip(rows, mesh.colors[:, :3].tolist(), strict=True)
         ]
     texts = (mesh.corners + 1).astype(str).tolist()
-    if mesh.corner_uvs is not None:
-        given = np.flatnonzero(~np.isnan(mesh.corner_uvs).any(axis=1))
-        table, index = np.unique(mesh.corner_uvs[given], axis=0, return_inverse=True)
-        lines += [f"vt {u:.9g} {v:.9g}\n" for u, v in table.tolist()]
-        for corner, row in zip(given.tolist(), index.reshape(-1).tolist(), strict=True):
-            texts[corner] += f"/{row + 1}"
-        _drop_parts(texts, mesh.sizes)
+    normals = mesh.layers.normals
+    has_normal = None if normals is None else (normals != 0).any(axis=1)
+    uv_lines, uv_rows = _table_of_corners("vt", mesh.corner_uvs, None, mesh.sizes)
+    normal_lines, normal_rows = _table_of_corners("vn", normals, has_normal, mesh.sizes)
+    lines += uv_lines + normal_lines
+    if uv_lines or normal_lines:
+        texts = [
+            f"{text}/{uv or ''}/{normal}" if normal else f"{text}/{uv}" if uv else text
+            for text, uv, normal in zip(texts, uv_rows, normal_rows, strict=True)
+        ]
     start = 0
     for row, size in enumerate(mesh.sizes.tolist()):
         if materials and (row == 0 or materials[row] != materials[row - 1]):
@@ -74,20 +77,27 @@ def face_materials(mesh: MeshOutput) -> list[str]:
     return [] if names is None or names.dtype.kind != "U" or names.ndim != 1 else names.tolist()
 
 
-def _drop_parts(texts: list[str], sizes: Ints) -> None:
-    """OBJ wants all corners of a face or none to have texture coordinates."""
-    start = 0
-    for size in sizes.tolist():
-        corners = range(start, start + size)
-        if not all("/" in texts[i] for i in corners):
-            for i in corners:
-                texts[i] = texts[i].partition("/")[0]
-        start += size
+def _table_of_corners(
+    keyword: str, values: Floats | None, given: npt.NDArray[np.bool_] | None, sizes: Ints
+) -> tuple[list[str], list[int]]:
+    """Lines of the values that occur, and the number of its line for every corner (c,), 0 for none.
+
+    OBJ wants all corners of a face or none to have them. `given` (c,); None: wherever they are numbers.
+    """
+    rows = np.zeros(int(sizes.sum()), np.int64)
+    if values is None:
+        return [], rows.tolist()
+    polygon = np.repeat(np.arange(len(sizes)), sizes)
+    known = ~np.isnan(values).any(axis=1) if given is None else given
+    chosen = np.bincount(polygon, weights=~known, minlength=len(sizes))[polygon] == 0
+    table, index = np.unique(values[chosen], axis=0, return_inverse=True)
+    rows[chosen] = index.reshape(-1) + 1
+    return [f"{keyword} {' '.join(f'{value:.9g}' for value in row)}\n" for row in table.tolist()], rows.tolist()
 
 
 def write_ply_mesh(path: PathLike, mesh: MeshOutput) -> None:
-    """Binary: vertices with colours and marks, faces with `texcoord` (0 where a corner has none), edges that carry
-    something, and all layers of one number a row."""
+    """Binary: vertices with colours, marks and normals, faces with `texcoord` (0 where a corner has none), edges that
+    carry something, and all layers of one number a row."""
     table, header = _vertex_table(mesh)
     faces, edges = ply_properties(mesh.layers.face, ()), ply_properties(mesh.layers.edge, KNOWN_OF_EDGES)
     header += [f"element face {len(mesh.sizes)}", "property list uint int vertex_indices"]
@@ -114,10 +124,22 @@ def _vertex_table(mesh: MeshOutput) -> tuple[npt.NDArray[Any], list[str]]:
         ]
     if mesh.filled is not None:
         columns.append((FILLED, "uchar", mesh.filled.astype(np.uint8)))
+    normals = _vertex_normals(mesh)
+    if normals is not None:
+        columns += [(f"n{axis}", "double", normals[:, i]) for i, axis in enumerate("xyz")]
     columns += ply_properties(mesh.layers.point, {*KNOWN, FILLED})
     columns += ply_properties(mesh.layers.weights, [name for name, _, _ in columns], WEIGHTS)
     table = _table(columns)
     return table, [f"element vertex {len(table)}", *(f"property {kind} {name}" for name, kind, _ in columns)]
+
+
+def _vertex_normals(mesh: MeshOutput) -> Floats | None:
+    """(n, 3) if all corners of each vertex agree on its normal, which is all that a PLY has room for; else None."""
+    if mesh.layers.normals is None:
+        return None
+    normals = np.zeros_like(mesh.vertices)
+    normals[mesh.corners] = mesh.layers.normals
+    return normals if np.allclose(normals[mesh.corners], mesh.layers.normals, rtol=0.0, atol=1e-6) else None
 
 
 def _table(columns: list[Property]) -> npt.NDArray[Any]:

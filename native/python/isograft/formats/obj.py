@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Wavefront OBJ: v (with colours), vt, f with negative indices and any number of corners, usemtl as the layer material
-of faces. All else is passed over."""
+"""Wavefront OBJ: v (with colours), vt, vn, f with negative indices and any number of corners, usemtl as the layer
+material of faces. All else is passed over."""
 
 from __future__ import annotations
 
@@ -29,7 +29,11 @@ def read_obj(path: str, data: bytes) -> Polygons:
     uvs = _numbers(lines, rows, b"vt", "texture coordinate", 1)
     if uvs.shape[1] == 1:
         uvs = np.hstack([uvs, np.zeros_like(uvs)])
-    sizes, corners, uv_index = _faces(lines, rows)
+    normals = _numbers(lines, rows, b"vn", "normal", 3)
+    sizes, corners, uv_index, normal_index = _faces(lines, rows)
+    layers = _materials(lines, rows)
+    if (normal_index >= 0).any():
+        layers.normals = np.vstack([normals[:, :3], np.zeros((1, 3))])[normal_index]
     return Polygons(
         vertices=np.ascontiguousarray(vertices[:, :3]),
         sizes=sizes,
@@ -38,7 +42,7 @@ def read_obj(path: str, data: bytes) -> Polygons:
         colors=np.ascontiguousarray(vertices[:, 3:6]) if vertices.shape[1] >= 6 else None,
         uvs=np.ascontiguousarray(uvs[:, :2]) if (uv_index >= 0).any() else None,
         uv_index=uv_index if (uv_index >= 0).any() else None,
-        layers=_materials(lines, rows),
+        layers=layers,
     )
 
 
@@ -51,17 +55,17 @@ def _materials(lines: Lines, rows: dict[bytes, list[int]]) -> Layers:
 
 
 def _rows_by_keyword(text: list[bytes]) -> dict[bytes, list[int]]:
-    rows: dict[bytes, list[int]] = {b"v": [], b"vt": [], b"f": [], b"usemtl": []}
+    rows: dict[bytes, list[int]] = {b"v": [], b"vt": [], b"vn": [], b"f": [], b"usemtl": []}
     # Nearly every line begins so; the few others are looked at in full.
-    known = {b"v ": rows[b"v"], b"vt": rows[b"vt"], b"f ": rows[b"f"], b"vn": None}
+    known = {b"v ": rows[b"v"], b"vt": rows[b"vt"], b"f ": rows[b"f"], b"vn": rows[b"vn"]}
     for row, line in enumerate(text):
         head = line[:2]
         if head not in known:
             keyword = line.split(None, 1)[0]
             if keyword in rows:
                 rows[keyword].append(row)
-        elif (found := known[head]) is not None:
-            found.append(row)
+        else:
+            known[head].append(row)
     return rows
 
 
@@ -106,32 +110,31 @@ def _faces(lines: Lines, rows: dict[bytes, list[int]]) -> tuple[npt.NDArray[np.i
     sizes = token_counts(texts)
     owner = np.repeat(np.asarray(rows[b"f"], np.int64), sizes)
     parsed = _alike_corners(b"\n".join(texts), int(sizes.sum()))
-    corners, uv_index = _unlike_corners(lines, rows[b"f"], texts) if parsed is None else parsed
-    # Negative indices count back from the newest vertex at that place in the file.
-    before = np.searchsorted(rows[b"v"], owner)
-    uv_before = np.searchsorted(rows[b"vt"], owner)
-    corners = np.where(corners < 0, before + corners, corners - 1)
-    given = uv_index != 0
-    uv_index = np.where(uv_index < 0, uv_before + uv_index, uv_index - 1)
-    _check(lines, texts, sizes, owner, corners, len(rows[b"v"]), "vertices")
-    _check(
-        lines,
-        texts,
-        sizes,
-        owner,
-        np.where(given, uv_index, 0),
-        max(len(rows[b"vt"]), int(not given.any())),
-        "texture coordinates",
-    )
-    return sizes.astype(np.int32), corners.astype(np.int32), np.where(given, uv_index, -1).astype(np.int32)
+    corners, uv_index, normal_index = _unlike_corners(lines, rows[b"f"], texts) if parsed is None else parsed
+    if not rows[b"vn"]:
+        # Some programs number normals that they do not write.
+        normal_index = np.zeros_like(normal_index)
+    found = []
+    for index, keyword, what in (
+        (corners, b"v", "vertices"),
+        (uv_index, b"vt", "texture coordinates"),
+        (normal_index, b"vn", "normals"),
+    ):
+        given = index != 0 if keyword != b"v" else np.ones(len(index), bool)
+        # Negative indices count back from the newest row at that place in the file.
+        row = np.where(index < 0, np.searchsorted(rows[keyword], owner) + index, index - 1)
+        _check(lines, texts, sizes, owner, given & ((row < 0) | (row >= len(rows[keyword]))), len(rows[keyword]), what)
+        found.append(np.where(given, row, -1).astype(np.int32))
+    return sizes.astype(np.int32), *found
 
 
-def _alike_corners(text: bytes, count: int) -> tuple[Ints64, Ints64] | None:
-    """Vertex and texture index (0 for none) of all corners if all are written in one way, None if not."""
+def _alike_corners(text: bytes, count: int) -> tuple[Ints64, Ints64, Ints64] | None:
+    """Vertex, texture and normal index (0 for none) of all corners if all are written in one way, None if not."""
+    none = np.zeros(count, np.int64)
     slashes = text.count(b"/")
     if slashes == 0:
         corners = parse_numbers(text, np.int64, count)
-        return None if corners is None else (corners, np.zeros(count, np.int64))
+        return None if corners is None else (corners, none, none)
     if slashes not in (count, 2 * count):
         return None
     double = text.count(b"//")
@@ -144,8 +147,8 @@ def _alike_corners(text: bytes, count: int) -> tuple[Ints64, Ints64] | None:
     table = parse_numbers(text.replace(b"//", b" ").replace(b"/", b" "), np.int64, columns * count)
     if table is None:
         return None
-    table = table.reshape(count, columns)
-    return table[:, 0], np.zeros(count, np.int64) if double else table[:, 1]
+    first, second, *last = table.reshape(count, columns).T
+    return (first, none, second) if double else (first, second, last[0] if last else none)
 
 
 def _evenly_slashed(text: bytes, each: int) -> bool:
@@ -157,27 +160,27 @@ def _evenly_slashed(text: bytes, each: int) -> bool:
     return bool((pieces == pieces[:, :1]).all() and (pieces[1:, 0] != pieces[:-1, 0]).all())
 
 
-def _unlike_corners(lines: Lines, rows: list[int], texts: list[bytes]) -> tuple[Ints64, Ints64]:
+def _unlike_corners(lines: Lines, rows: list[int], texts: list[bytes]) -> tuple[Ints64, Ints64, Ints64]:
     """The same for corners written in several ways, or wrongly."""
-    corners: list[int] = []
-    uvs: list[int] = []
+    found: list[list[int]] = []
     for row, text in zip(rows, texts, strict=True):
         for token in text.split():
-            vertex, uv, *_ = [*token.split(b"/"), b""]
-            indices = parse_ints(lines, row, [vertex, uv or b"0"], "face")
+            vertex, *others = [*token.split(b"/"), b"", b""][:3]
+            indices = parse_ints(lines, row, [vertex, *(other or b"0" for other in others)], "face")
             if max(map(abs, indices)) >= 2**31:
                 lines.fail(row, f"face: {quoted(token)} is beyond 32 bits")
-            corners.append(indices[0])
-            uvs.append(indices[1])
-    return np.array(corners, np.int64), np.array(uvs, np.int64)
+            found.append(indices)
+    corners, uvs, normals = np.array(found, np.int64).reshape(-1, 3).T
+    return corners, uvs, normals
 
 
 def _check(
-    lines: Lines, texts: list[bytes], sizes: Ints64, owner: Ints64, index: Ints64, count: int, what: str
+    lines: Lines, texts: list[bytes], sizes: Ints64, owner: Ints64, bad: npt.NDArray[np.bool_], count: int, what: str
 ) -> None:
-    bad = np.flatnonzero((index < 0) | (index >= count))
-    if bad.size:
-        face = int(np.searchsorted(np.cumsum(sizes), bad[0], side="right"))
-        token = texts[face].split()[bad[0] - int(sizes[:face].sum())]
+    """Fail at the first corner that is `bad`: there are `count` rows of `what`."""
+    if bad.any():
+        first = int(bad.argmax())
+        face = int(np.searchsorted(np.cumsum(sizes), first, side="right"))
+        token = texts[face].split()[first - int(sizes[:face].sum())]
         problem = f"face: corner {quoted(token)} is out of range, the file has {count} {what}"
-        lines.fail(int(owner[bad[0]]), problem)
+        lines.fail(int(owner[first]), problem)

@@ -16,9 +16,11 @@ def triangulate(path: str, polygons: Polygons) -> MeshFile:
     """Cut every polygon into size - 2 triangles that cover it, concave ones too, if it is planar and simple.
 
     Triangles stay in the order of their polygons. Polygons of fewer than three corners give none and are counted in
-    the warnings.
+    the warnings. Normals of vertices become those of the polygons' corners.
     """
     sizes = polygons.sizes.astype(np.int64)
+    if polygons.normals is not None and len(sizes):
+        polygons.layers.normals = polygons.normals[polygons.corners]
     starts = np.cumsum(sizes) - sizes
     counts = np.maximum(sizes - 2, 0)
     first = np.cumsum(counts) - counts
