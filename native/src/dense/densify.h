@@ -27,7 +27,7 @@ void drop_collisions(PartialMap& map, const Pair& pair, const std::vector<double
 /// averaged; fine vertices follow the coarse triangle they lie in; images are put back on the fine target.
 ///
 /// Vertices without a mapped sample within `options.reach` spacings stay unmatched.
-/// \param source, target what the result's indices and units refer to.
+/// \param source, target what the result's indices and units refer to. \throw Cancelled if `monitor` asks for it.
 Correspondence densify(const PartialMap& map, const Pair& pair, const SampleNotes& notes, const DenseOptions& options,
                        const Detail& source, const Detail& target, int threads, Monitor& monitor, double from,
                        double to);

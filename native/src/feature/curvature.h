@@ -21,7 +21,7 @@ std::vector<double> mean_curvature(const TriangleMesh& mesh, double time);
 ///
 /// Where the fine mesh has several times as many vertices, its curvature is integrated there but flows on the coarse
 /// mesh, whose edges must then be shorter than the flow reaches: linear in the fine mesh's size.
-/// \param fine, coarse in the same unit. \return per time, per vertex of coarse.mesh.
+/// \param fine, coarse in the same unit. \return per time, per vertex of coarse.mesh. \throw Cancelled on request.
 std::vector<std::vector<double>> coarse_curvatures(const TriangleMesh& fine, const CoarseMesh& coarse,
                                                    const std::vector<double>& times, Monitor& monitor);
 

@@ -82,7 +82,7 @@ PolarDescriptor ray_descriptor(const TriangleMesh& mesh, const SurfacePoint& cen
                                const std::vector<double>& curvature, double radius, double gain, double phase,
                                const FeatureOptions& options);
 
-/// Window descriptors of many points, equal bit for bit for any number of threads.
+/// Window descriptors of many points, equal bit for bit for any number of threads. \throw Cancelled on request.
 std::vector<PolarDescriptor> window_descriptors(const TriangleMesh& mesh, const std::vector<SurfacePoint>& points,
                                                 const std::vector<double>& curvature, double unit,
                                                 const FeatureOptions& options, int threads, Monitor& monitor,

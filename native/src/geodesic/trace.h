@@ -19,7 +19,7 @@ struct Trace {
 /// Walk straight over the mesh: across every edge the path goes on at the same angle (Polthier and Schmies 1998).
 ///
 /// \param direction in the start triangle's frame, any length but 0. \param length >= 0, in mesh units.
-/// O(triangles crossed).
+/// O(triangles crossed). What growth carries directions along with (paper section 4.3).
 Trace trace(const TriangleMesh& mesh, const SurfacePoint& start, Complex direction, double length);
 
 /// One step of a walk through triangles, for callers that sample along the way.

@@ -24,7 +24,7 @@ struct Polar {
 ///
 /// Marches outward over the mesh in order of distance; distance and angle of a vertex come from the virtual source
 /// that explains those of an edge (Melvaer and Reimers 2012). Reused for many centres: only what a run reached is
-/// touched again. About a microsecond per vertex reached.
+/// touched again. About a microsecond per vertex reached. In place of smoothed Dijkstra paths (paper section 4.1).
 class Window {
   public:
     explicit Window(const TriangleMesh& mesh);

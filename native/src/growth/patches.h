@@ -39,7 +39,7 @@ Patch probe(const Pair& pair, const PatchSettings& settings, Grower& grower, con
 ///
 /// Many middle-sized maps instead of the paper's 200 whole ones: drift is not the limit, a whole limb taken for
 /// another is. \param forced the first so many matches are always kept (landmarks).
-/// \return best first. Equal bit for bit for any number of threads.
+/// \return best first. Equal bit for bit for any number of threads. \throw Cancelled if `monitor` asks for it.
 std::vector<Patch> grow_patches(const Pair& pair, const PatchSettings& settings,
                                 const std::vector<OrientedMatch>& matches, int forced, Monitor& monitor, double from,
                                 double to);

@@ -87,7 +87,7 @@ double sample_spacing(double area, int samples);
 /// triangulation; level j + 1 is picked from level j with twice the radius. Edges are walked straight on the surface,
 /// so none joins two sheets that merely pass close to each other.
 /// \param spacing r0 in mesh units. O(#V) windows of a few spacings.
-/// This is spread_samples() and join_samples(), one after the other.
+/// This is spread_samples() and join_samples(), one after the other. \throw Cancelled if `monitor` asks for it.
 /// \param fixed points that are samples whatever their distance from each other: samples 0, 1, ... in this order.
 Samples make_samples(const TriangleMesh& mesh, double spacing, const HierarchyOptions& options, std::uint64_t seed,
                      int threads, Monitor& monitor, double from, double to,

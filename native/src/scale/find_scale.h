@@ -24,7 +24,7 @@ struct ScaleVotes {
 /// Compare ray descriptors of `options.votes` source points at 19 sizes with the target's everywhere.
 ///
 /// Distances count relative to what each point meets on the target at the same size: raw distances favour large, plain
-/// windows and err by factors of two.
+/// windows and err by factors of two. \throw Cancelled if `monitor` asks for it.
 ScaleVotes vote_scale(const TriangleMesh& source, const TriangleMesh& target, const FeatureOptions& features,
                       const ScaleOptions& options, std::uint64_t seed, int threads, Monitor& monitor, double from,
                       double to);

@@ -35,7 +35,7 @@ struct PreparedPair {
 /// scale or an inside-out surface has no good probes.
 /// \param later what is still to come before the progress is at `to`, in seconds as of Costs: how much is done here
 /// shows on the way only.
-/// \param report stages, scale, unit length, sample counts and warnings are filled in.
+/// \param report stages, scale, unit length, sample counts and warnings are filled in. \throw Cancelled on request.
 PreparedPair prepare_pair(const Surface& source, const Surface& target, const MatchOptions& options,
                           MatchReport& report, Monitor& monitor, double from, double to, double later = 0.0);
 

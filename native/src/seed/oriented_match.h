@@ -22,7 +22,7 @@ struct OrientedMatch {
 /// Oriented matches of the coarse samples in the order in which to try them (in place of the paper's feature matches
 /// and priority queue, section 4.3).
 ///
-/// The order is deterministic. O(samples of a coarse level x target samples x shifts).
+/// The order is deterministic. O(samples of a coarse level x target samples x shifts). \throw Cancelled on request.
 std::vector<OrientedMatch> oriented_matches(const Pair& pair, const FeatureOptions& features,
                                             const SeedOptions& options, int threads, Monitor& monitor, double from,
                                             double to);
