@@ -99,11 +99,11 @@ def test_evaluate_reads_corr_files(folder: Path, capsys: pytest.CaptureFixture[s
     assert values["coverage"] == 1.0
 
 
-def nothing_matched(source: tuple[str, Any], target: tuple[str, Any], **_: Any) -> isograft.Match:
-    n = len(source[1][0])
+def nothing_matched(source: tuple[Any, ...], target: tuple[Any, ...], **_: Any) -> isograft.Match:
+    n = len(source[0])
     none, nan = np.full(n, -1, np.int32), np.full((n, 3), np.nan)
     best = isograft.Correspondence(
-        none, nan, nan, none, np.zeros(n), nan[:, 0], none, np.full((n, 3), -1, np.int32), len(target[1][0])
+        none, nan, nan, none, np.zeros(n), nan[:, 0], none, np.full((n, 3), -1, np.int32), len(target[0])
     )
     return isograft.Match(best, [], isograft.Report(warnings=("the surfaces have nothing in common",)))
 
@@ -112,7 +112,7 @@ def nothing_matched(source: tuple[str, Any], target: tuple[str, Any], **_: Any) 
 def test_nothing_matched_is_code_three_and_the_map_is_still_written(
     folder: Path, tmp_path: Path, suffix: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("isograft.cli_match.match_named", nothing_matched)
+    monkeypatch.setattr("isograft.cli_match.match", nothing_matched)
     output = tmp_path / f"map{suffix}"
     assert main(["match", str(folder / "source.obj"), str(folder / "target.obj"), "-o", str(output), "--json"]) == 3
     captured = capsys.readouterr()
@@ -207,7 +207,7 @@ def test_bad_landmarks_are_code_two_and_name_the_entry(
 def test_a_failed_write_is_code_one(
     folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("isograft.cli_match.match_named", nothing_matched)
+    monkeypatch.setattr("isograft.cli_match.match", nothing_matched)
 
     def full(_: int) -> None:
         raise OSError(28, "No space left on device")

@@ -14,6 +14,8 @@ import pytest
 from isograft.correspondence import Correspondence
 from isograft.files import read_mesh
 from isograft.formats.images import read_image, write_image
+from isograft.matching import Match
+from isograft.report import Report
 from isograft.transfer import Channel, bake, invert, transfer_corner_uv, wrap
 from seamed_shapes import COARSE, DONORS, SHAPES
 from transfer_files import assert_refused, run, save, save_map, spoil_map
@@ -241,3 +243,24 @@ def test_without_pillow_images_are_refused_with_the_command_to_type(
     options[-1] = str(folder / "image.npy")
     assert run(folder, "bare.obj", *options, "--texture-output", str(folder / "baked.npy"), "--size", "16") == 0
     assert read_image(folder / "baked.npy").shape == (16, 16, 3)
+
+
+@pytest.mark.parametrize("edited", ["donor", "bare"])
+def test_a_mesh_that_was_edited_since_the_match_is_refused(folder: Path, capsys: Any, edited: str) -> None:
+    shape = SHAPES["cylinder"](*COARSE["cylinder"], turn=0.37)
+    # As isograft match writes it.
+    best = Correspondence.load(folder / "map.npz")
+    Match(best, [], Report()).save(folder / "map.npz", shape[0])
+    assert run(folder, "bare.obj", "--what", "color") == 0
+    text = (folder / f"{edited}.obj").read_text().splitlines()
+    # A vertex written with fewer digits is the same; one that lies elsewhere is not.
+    words = text[20].split()
+    words[1:4] = [f"{float(word):.5f}" for word in words[1:4]]
+    for x, code in ((words[1], 0), (f"{float(words[1]) + 0.05:.5f}", 2)):
+        words[1] = x
+        text[20] = " ".join(words)
+        (folder / f"{edited}.obj").write_text("\n".join(text) + "\n")
+        (folder / "out.obj").unlink()
+        assert run(folder, "bare.obj", "--what", "color") == code
+    assert f"{edited}.obj: was edited after" in capsys.readouterr().err
+    assert not (folder / "out.obj").exists()

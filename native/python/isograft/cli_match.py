@@ -11,7 +11,7 @@ from typing import Any
 from isograft.cli_outcome import NOTHING_MATCHED, OK, BadInput, ProgressLine, check_output, open_mesh
 from isograft.files import MAP_SUFFIXES, MESH_SUFFIXES, write_map
 from isograft.landmarks import read_landmarks
-from isograft.matching import match_named
+from isograft.matching import match
 
 
 def add_match(commands: Any, epilog: str) -> None:
@@ -61,9 +61,10 @@ def run_match(arguments: argparse.Namespace) -> int:
         raise BadInput(f"{arguments.output}: .corr names triangles, and TARGET is a point cloud: write .npz or .ply")
     progress = ProgressLine() if arguments.progress or sys.stderr.isatty() else None
     try:
-        result = match_named(
-            (source.path, source.parts),
-            (target.path, target.parts),
+        result = match(
+            source.parts,
+            target.parts,
+            names=(source.path, target.path),
             preset=arguments.preset,
             landmarks=landmarks,
             scale=scale,

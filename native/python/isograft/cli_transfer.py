@@ -10,6 +10,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from isograft import grafting
 from isograft.cli_layers import add_layer_options, layer_options, open_layers
 from isograft.cli_outcome import NOTHING_MATCHED, OK, BadInput, ProgressLine, check_output, open_mesh
@@ -28,6 +30,7 @@ from isograft.formats.atomic import together
 from isograft.formats.images import write_image
 from isograft.formats.layers import write_layers
 from isograft.formats.mesh_output import face_materials, write_obj, write_ply_mesh
+from isograft.formats.npz import read_source
 from isograft.grafting_layers import LAYERS_OF
 from isograft.grafting_textures import Textures
 from isograft.transfer import invert
@@ -35,6 +38,8 @@ from isograft.transfer.wrapping import METHODS
 
 WHAT = ("uv", "color", "texture", *(kind for kind in LAYERS_OF if kind != "uv"), "shape")
 OUTPUT_SUFFIXES = (".obj", ".ply")
+# Vertices moved by less than this part of a mesh's size are where they were: a file may have few digits.
+_SAME = 1e-4
 
 
 def add_transfer(commands: Any, epilog: str) -> None:
@@ -230,11 +235,35 @@ def _correspondence(arguments: argparse.Namespace, source: MeshFile, target: Mes
             f"{arguments.map}: the map starts from {len(correspondence)} vertices, {start.path} has "
             f"{len(start.vertices)}"
         )
+    _check_shapes(arguments, correspondence, start, end)
     if arguments.inverse:
         correspondence = invert(
             correspondence, target.vertices, target.faces, source.vertices, source.faces, threads=arguments.threads
         )
     return grafting.at_least(correspondence, arguments.min_confidence)
+
+
+def _check_shapes(
+    arguments: argparse.Namespace, correspondence: Correspondence, start: MeshFile, end: MeshFile
+) -> None:
+    """Refuse a map that was made for other shapes of as many vertices, as far as its file tells."""
+    if Path(arguments.map).suffix.lower() != ".npz":
+        return
+    matched = correspondence.face >= 0
+    corners = end.faces[correspondence.face[matched]]
+    points = np.einsum("nc,ncd->nd", correspondence.barycentric[matched], end.vertices[corners])
+    sides: list[tuple[MeshFile, Any, Any]] = [(end, correspondence.points[matched], points)]
+    source = read_source(arguments.map)
+    if source is not None and len(source) == len(start.vertices):
+        sides.append((start, source, start.vertices))
+    for mesh, before, now in sides:
+        size = float(np.ptp(mesh.vertices, axis=0).max(initial=0.0))
+        off = float(np.abs(now - before).max(initial=0.0)) / max(size, 1e-300)
+        if off > _SAME:
+            raise BadInput(
+                f"{mesh.path}: was edited after {arguments.map} was made, its vertices lie up to {off:.2g} of its size "
+                "off; run isograft match again"
+            )
 
 
 def _hint(arguments: argparse.Namespace, source: MeshFile, target: MeshFile) -> str:

@@ -53,7 +53,7 @@ def write_map(path: str | os.PathLike[str], match: Match, source: MeshFile) -> N
     """
     suffix = Path(path).suffix.lower()
     if suffix == ".npz":
-        match.save(path)
+        match.save(path, source.vertices)
     elif suffix == ".corr":
         write_corr(path, match.best)
     elif suffix == ".ply":

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from isograft import _native
 from isograft.arguments import to_int, to_scale
@@ -31,10 +32,13 @@ class Match:
     alternatives: list[Correspondence]
     report: Report
 
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write an .npz: the best's arrays, the alternatives' as `alternative1_...`, and `report` (JSON text)."""
+    def save(self, path: str | os.PathLike[str], source: npt.NDArray[np.float64] | None = None) -> None:
+        """Write an .npz: the best's arrays, the alternatives' as `alternative1_...`, and `report` (JSON text).
+
+        With the source's vertices (n, 3) `isograft transfer` knows a map of another shape.
+        """
         everyone = [self.best, *self.alternatives]
-        write_npz(path, [one.arrays() for one in everyone], self.best.target_size, self.report.to_json())
+        write_npz(path, [one.arrays() for one in everyone], self.best.target_size, self.report.to_json(), source)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Match:
@@ -59,6 +63,7 @@ def match(
     seed: int = 0,
     memory_limit: int | None = None,
     progress: ProgressCallback | None = None,
+    names: tuple[str, str] = ("source", "target"),
     **overrides: Any,
 ) -> Match:
     """Find a dense partial near-isometric correspondence from `source` to `target`.
@@ -78,6 +83,7 @@ def match(
         memory_limit: bytes that the match may take. What it will take is estimated before anything is allocated.
         progress: called as progress(stage, fraction) on the calling thread, with fractions that rise to 1, and again
             with the last one while a stage is long; returning False cancels. Other Python threads run meanwhile.
+        names: what errors call the two.
         overrides: single options by name, `<stage>_<field>`; see preset_options().
 
     Raises:
@@ -85,34 +91,6 @@ def match(
         ResourceLimit: the surfaces are too large for this build, or for `memory_limit`.
         Cancelled: `progress` returned False. What it raises is passed on; so is KeyboardInterrupt.
     """
-    return match_named(
-        ("source", source),
-        ("target", target),
-        preset=preset,
-        landmarks=landmarks,
-        scale=scale,
-        threads=threads,
-        seed=seed,
-        memory_limit=memory_limit,
-        progress=progress,
-        **overrides,
-    )
-
-
-def match_named(
-    source: tuple[str, Any],
-    target: tuple[str, Any],
-    *,
-    preset: str = "default",
-    landmarks: Any = None,
-    scale: str | float = "auto",
-    threads: int | None = None,
-    seed: int = 0,
-    memory_limit: int | None = None,
-    progress: ProgressCallback | None = None,
-    **overrides: Any,
-) -> Match:
-    """As match(), with what errors are to call the two: (name, surface) each."""
     check_progress(progress)
     options = preset_options(preset) | check_overrides(overrides, preset)
     scale_mode, scale_value = to_scale(scale)
@@ -120,9 +98,9 @@ def match_named(
     seed_value = to_int(seed, "seed", 0, 2**64 - 1)
     limit = 0 if memory_limit is None else to_int(memory_limit, "memory_limit", 1, 2**62)
     if limit:
-        _native.check_memory(_size(source[1]), _size(target[1]), preset, options, thread_count, limit)
-    gate = _gate_share([source[1]], target[1], preset, options, thread_count)
-    s, t = as_surfaces([source, target], thread_count, part_of(progress, 0.0, gate))
+        _native.check_memory(_size(source), _size(target), preset, options, thread_count, limit)
+    gate = _gate_share([source], target, preset, options, thread_count)
+    s, t = as_surfaces([(names[0], source), (names[1], target)], thread_count, part_of(progress, 0.0, gate))
     marks = to_landmarks(landmarks, s.vertices, t.vertices)
 
     found = _native.match(

@@ -25,15 +25,36 @@ ARRAYS: Mapping[str, tuple[type[np.generic], int]] = {
     "confidence": (np.float64, 1), "stretch": (np.float64, 1), "region": (np.int32, 1), "corners": (np.int32, 3),
 }  # fmt: skip
 
+_SOURCE = "source_vertices"
 
-def write_npz(path: PathLike, correspondences: Sequence[Arrays], target_size: int, report: str) -> None:
-    """The first one's arrays by their names, the next ones' as `alternative1_...`, `target_size` and `report`."""
+
+def write_npz(
+    path: PathLike,
+    correspondences: Sequence[Arrays],
+    target_size: int,
+    report: str,
+    source: npt.NDArray[np.float64] | None = None,
+) -> None:
+    """The first one's arrays by their names, the next ones' as `alternative1_...`, `target_size` and `report`.
+
+    `source` (n, 3) are the source's vertices, by which a map of another shape is known later.
+    """
     arrays: Arrays = {"target_size": np.array(target_size, np.int64), "report": np.array(report)}
     for rank, correspondence in enumerate(correspondences):
         prefix = f"alternative{rank}_" if rank else ""
         arrays.update({prefix + name: correspondence[name] for name in ARRAYS})
+    if source is not None:
+        arrays[_SOURCE] = source.astype(np.float32)
     with replacing(path) as file:
         np.savez_compressed(file, allow_pickle=False, **arrays)
+
+
+def read_source(path: PathLike) -> npt.NDArray[np.float32] | None:
+    """(n, 3) the source's vertices as write_npz() was given them, None if it was not. Raises as load_arrays() does."""
+    found = load_arrays(path).get(_SOURCE)
+    return (
+        found if found is not None and found.ndim == 2 and found.shape[1] == 3 and found.dtype == np.float32 else None
+    )
 
 
 def load_arrays(path: PathLike) -> Arrays:
