@@ -60,6 +60,18 @@ def measures(donor: bpy.types.Object, receiver: bpy.types.Object, truth_path: Pa
     return found | {"error": result.error, "coverage": result.coverage, "false_matches": result.false_matches}
 
 
+def turn_like(donor: bpy.types.Object, receiver: bpy.types.Object, items: list[bpy.types.Object]) -> None:
+    """Turn the items, which have the receiver's vertices, as their points on the donor lie."""
+    matched = addon.read_attribute(receiver, "isograft_face") >= 0
+    if np.count_nonzero(matched) < 3:
+        return
+    flat = np.empty(3 * len(receiver.data.vertices), np.float32)
+    receiver.data.vertices.foreach_get("co", flat)
+    to_scene = np.array(donor.matrix_world)
+    points = addon.read_attribute(receiver, "isograft_position", 3)[matched] @ to_scene[:3, :3].T
+    pictures.align(items, flat.reshape(-1, 3)[matched].astype(float), points.astype(float))
+
+
 def main(out: Path, zip_path: Path, truth_path: Path | None) -> None:
     addon.install(zip_path)
     scene = bpy.context.scene
@@ -84,6 +96,8 @@ def main(out: Path, zip_path: Path, truth_path: Path | None) -> None:
     (out / "measures.json").write_text(json.dumps(result, indent=1) + "\n")
     if not (addon.read_attribute(receiver, "isograft_face") >= 0).any():
         raise RuntimeError("nothing was matched: the two shapes have no part in common that the engine could find")
+    if "upright" not in receiver:
+        turn_like(donor, receiver, [before, receiver])
     pictures.take(donor, before, receiver, out)
     bpy.ops.wm.save_as_mainfile(filepath=str(out / "demo.blend"), check_existing=False)
 

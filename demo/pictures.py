@@ -50,6 +50,23 @@ def stand(item: bpy.types.Object, turn: float = 0.0) -> None:
     _shift(item, Vector((*(-0.5 * (low + high)[:2]), -low[2])))
 
 
+def align(items: list[bpy.types.Object], places: Array, points: Array) -> None:
+    """Turn objects so that `places` (n, 3) in their own space lie as `points` (n, 3) in the scene do, in the mean.
+
+    They are scaled as well where the one is more than half as large again as the other: a unit, not a size.
+    """
+    there, here = points - points.mean(axis=0), places - places.mean(axis=0)
+    left, spread, right = np.linalg.svd(there.T @ here)
+    spread[2] *= np.linalg.det(left @ right)
+    turn = left @ np.diag([1.0, 1.0, np.linalg.det(left @ right)]) @ right
+    factor = float(spread.sum() / max(float((here**2).sum()), 1e-300))
+    if not 1.5 < max(factor, 1.0 / max(factor, 1e-300)) < math.inf:
+        factor = 1.0
+    for item in items:
+        item.matrix_world = Matrix((factor * turn).tolist()).to_4x4()
+    bpy.context.view_layer.update()
+
+
 def _shift(item: bpy.types.Object, step: Vector) -> None:
     root = item.parent or item
     root.matrix_world = Matrix.Translation(step) @ root.matrix_world
@@ -111,16 +128,17 @@ def take(
     scene.studio(samples, size)
     bare = before.data.materials[0].name if before.data.materials else None
 
+    made = "upright" in before
     checker = scene.checker_material("Checker", 48.0)
     if donor.data.uv_layers:
         worn = {item: wear(item, checker, bare) for item in (donor, after)}
-        captions = arrange([donor, after], ["UV map of the model", "UV map on the scan"], 1500)
+        words = ["UV map of the model", "UV map on the scan"]
+        captions = arrange([donor, after], words if made else ["UV map of the donor", "UV map on the receiver"], 1500)
         scene.render(str(out / "checker.png"))
         remove(captions)
         for item, materials in worn.items():
             undress(item, materials)
     confidence_picture(after, out / "confidence.png")
-    made = "upright" in before
     words = ["complete model", "partial scan, another pose", "the scan after Isograft"]
     arrange([donor, before, after], words if made else ["donor", "receiver", "after Isograft"], 1800)
     scene.render(str(out / "before_after.png"))

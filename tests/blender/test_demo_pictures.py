@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The demo's pictures show files in any unit."""
+"""The demo's pictures show files in any unit, and the receiver as the donor stands."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
-from demo import scene
+from demo import pictures, scene
 
 
 @pytest.mark.skipif(bpy.app.version >= (4, 0), reason="the demo renders in Debian's Blender")
@@ -39,3 +39,19 @@ def test_camera_and_captions_fit_the_unit(unit: float) -> None:
         assert item.matrix_world.translation.z > 0.5 * item.data.size
     heights = [axes[1] @ np.array(item.matrix_world.translation) for item in captions]
     assert np.ptp(heights) < 1e-3 * unit
+
+
+@pytest.mark.parametrize(("unit", "seen"), [(1.0, 1.0), (1.2, 1.0), (1000.0, 1.0 / 1000.0), (0.0254, 1.0 / 0.0254)])
+def test_a_receiver_is_turned_as_the_donor_stands_and_scaled_only_from_another_unit(unit: float, seen: float) -> None:
+    scene.clear()
+    random = np.random.default_rng(3)
+    points = random.normal(size=(200, 3)) * [1.0, 2.0, 3.0]
+    turn = np.linalg.qr(random.normal(size=(3, 3)))[0]
+    turn *= np.linalg.det(turn)
+    places = unit * (points @ turn.T) + unit * np.array([4.0, -7.0, 2.0])
+    item = scene.add_mesh("receiver", places, [(0, 1, 2)])
+    pictures.align([item], places, points + random.normal(scale=0.01, size=points.shape))
+    world = scene.world_points([item])
+    wanted = unit * seen * points
+    off = (world - world.mean(axis=0)) - (wanted - wanted.mean(axis=0))
+    assert np.abs(off).max() < 0.02 * np.ptp(wanted)
