@@ -13,6 +13,7 @@ from .bridge import Array, RefusedError
 from .channels import BakedInput
 from .grafting import filled_text, mark_filled
 from .job import Progress, in_turn
+from .kinds.base import beside
 from .kinds.filling import fill_corners, marks
 from .matching import Messages
 from .pairing import Pair
@@ -52,7 +53,11 @@ class Bake:
     donor_uv: Array
     """(3 G, 2)."""
     is_new_map: bool
+    own_uv: Array | None = None
+    """(l, 2) of the map that is written over, kept where nothing comes."""
     warnings: list[str] = field(default_factory=list)
+    background: list[Array] | None = None
+    """Images that are written over, kept where nothing is baked."""
     polygons: Array = field(default_factory=lambda: np.zeros(0, dtype=bool))
     images: list[Array] = field(default_factory=list)
     filled: Array = field(default_factory=lambda: np.zeros(0, dtype=bool))
@@ -70,7 +75,8 @@ class Bake:
             whole &= pair.whole_polygons(mask)
             if self.settings.fill:
                 uv, mask, _ = fill_corners(pair, uv, mask, lambda stage, _: progress(f"{pair.name}: {stage}", 0.0))
-            self.uv = pair.to_loops(uv, mask)
+            whole_loops = pair.whole_polygons(mask)[pair.arrays.loop_polygons]
+            self.uv = beside(pair.to_loops(uv, mask), whole_loops, self.own_uv)
         self._warn_of_outside(self.uv, whole)
         self.polygons = whole
         own, triangles, given, donor_triangles = pair.geometry()
@@ -88,6 +94,7 @@ class Bake:
             receiver_mask=whole[pair.own.polygons],
             margin=self.settings.margin,
             fill=self.settings.fill,
+            background=self.background,
             threads=self.settings.threads or None,
             progress=lambda stage, fraction: progress(f"{pair.name}: {stage}", fraction),
         )
@@ -119,7 +126,7 @@ class Bake:
             bridge.write_uv_layer(obj, self.uv_name, self.uv, True)
         shown = []
         for item, pixels in zip(self.inputs, self.images, strict=True):
-            name = f"{obj.name} {item.shown.name}"
+            name = _image_name(obj, item)
             shown.append((item.shown, bridge.write_image(name, pixels, item.space, self.settings.overwrite)))
         constants = [(item, None) for item in self._constants]
         material = bridge.write_material(f"{obj.name} baked", constants + shown, self.uv_name, self.settings.overwrite)
@@ -128,7 +135,7 @@ class Bake:
             slots.append(None)
         if material not in slots:
             slots.append(material)
-        index = bridge.own_polygon_materials(obj)
+        index = bridge.polygon_materials(obj.data)
         index[self.polygons] = slots.index(material)
         bridge.write_polygon_materials(obj, slots, index)
         mark_filled(obj, self.filled)
@@ -229,5 +236,22 @@ def _bake(pair: Pair, gift: channels.Gift, settings: BakeSettings) -> Bake:
         uv,
         gift.uv[pair.given.corners],
         is_new,
+        next((layer.values for layer in bridge.read_uv_layers(mesh) if layer.name == name), None),
         list(gift.warnings),
+        _written_over(pair.receiver, gift.inputs, settings.size) if settings.overwrite else None,
     )
+
+
+def _image_name(obj: Any, item: BakedInput) -> str:
+    return f"{obj.name} {item.shown.name}"
+
+
+def _written_over(obj: Any, inputs: list[BakedInput], size: int) -> list[Array]:
+    """The images that the new ones take the place of, black where there is none of the same kind and size."""
+    found = []
+    for item in inputs:
+        kind, width = item.kind_of_pixels()
+        old = bridge.read_old_image(_image_name(obj, item), item.space)
+        fits = old is not None and old.dtype == kind and old.shape[:2] == (size, size)
+        found.append(np.ascontiguousarray(old[..., :width]) if fits else np.zeros((size, size, width), kind))
+    return found

@@ -35,6 +35,11 @@ class BakedInput:
     constants: list[Input]
     """All inputs of the first material."""
 
+    def kind_of_pixels(self) -> tuple[Any, int]:
+        """Their type and how many components each has."""
+        image = next(image for image in self.images if image is not None)
+        return image.dtype, image.shape[-1]
+
     def channel(self) -> Any:
         """For isograft.transfer.bake()."""
         kind = "normal" if self.shown.kind == "normal" else "color"

@@ -10,18 +10,17 @@ from .attributes import (
     attribute_names,
     read_attribute,
     read_attributes,
-    read_face_attribute,
+    read_layer,
     write_attribute,
 )
 from .cut import cut_faces, trial
 from .groups import Group, armature_modifiers, read_groups, read_weights, write_armatures, write_weights
-from .images import color_space, is_data, read_image, write_image, write_material
+from .images import color_space, is_data, read_image, read_old_image, write_image, write_material
 from .keys import Key, are_relative, copy_drivers, key_drivers, read_keys, through_modifiers, write_keys
 from .layers import (
     MAX_UV_LAYERS,
     CornerLayer,
     activate_color,
-    own_polygon_materials,
     polygon_materials,
     read_colors,
     read_corner_normals,
@@ -76,18 +75,18 @@ __all__ = [
     "is_data",
     "key_drivers",
     "own_arrays",
-    "own_polygon_materials",
     "polygon_materials",
     "read_attribute",
     "read_attributes",
     "read_colors",
     "read_corner_normals",
     "read_donor",
-    "read_face_attribute",
     "read_groups",
     "read_image",
     "read_inputs",
     "read_keys",
+    "read_layer",
+    "read_old_image",
     "read_property",
     "read_receiver",
     "read_tiles",

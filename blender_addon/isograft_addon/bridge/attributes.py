@@ -84,17 +84,17 @@ def read_attributes(mesh: bpy.types.Mesh) -> list[AttributeLayer]:
 
 
 def read_attribute(obj: bpy.types.Object, name: str, data_type: str) -> Array | None:
-    """The values of a point attribute of the object's own mesh; None if there is none of that type and size."""
-    attribute = obj.data.attributes.get(name)
-    if attribute is None or (attribute.data_type, attribute.domain) != (data_type, "POINT"):
-        return None
-    return _values(attribute)
+    """The values of a point attribute of the object's own mesh; None if there is none of that type."""
+    return read_layer(obj.data, name, "POINT", data_type)
 
 
-def read_face_attribute(mesh: bpy.types.Mesh, name: str, data_type: str) -> Array | None:
-    """The values of a face attribute, Blender's hidden ones too; None if there is none of that type."""
+def read_layer(mesh: bpy.types.Mesh, name: str, domain: str, data_type: str) -> Array | None:
+    """The values of one attribute, Blender's hidden ones too; None if there is none of that domain and type."""
+    in_edges = _edge_properties().get(name)
+    if in_edges is not None and (domain, data_type) == ("EDGE", in_edges[1]):
+        return get_array(mesh.edges, in_edges[0], _STORAGE[data_type][1])
     attribute = mesh.attributes.get(name)
-    if attribute is None or (attribute.data_type, attribute.domain) != (data_type, "FACE"):
+    if attribute is None or (attribute.data_type, attribute.domain) != (data_type, domain):
         return None
     return _values(attribute)
 

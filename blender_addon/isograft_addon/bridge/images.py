@@ -39,6 +39,17 @@ def read_image(image: Any, where: str) -> Array:
     return pixels if image.is_float else np.rint(pixels * 255.0).astype(np.uint8)
 
 
+def read_old_image(name: str, space: str) -> Array | None:
+    """As read_image(), of an image that write_image() has made in this colour space; None if there is none."""
+    image = bpy.data.images.get(name)
+    if image is None or (space and color_space(image) != space):
+        return None
+    try:
+        return read_image(image, name)
+    except RefusedError:
+        return None
+
+
 def is_data(image: Any) -> bool:
     """True if the image's numbers are no colours as the eye sees them."""
     return image.is_float or image.colorspace_settings.name in _DATA_SPACES or image.colorspace_settings.is_data

@@ -57,11 +57,6 @@ def polygon_materials(mesh: bpy.types.Mesh) -> Array:
     return get_array(mesh.polygons, "material_index", np.int32)
 
 
-def own_polygon_materials(obj: bpy.types.Object) -> Array:
-    """(p,) int32, material slot of every polygon of the object's own mesh."""
-    return polygon_materials(obj.data)
-
-
 def write_uv_layer(obj: bpy.types.Object, name: str, values: Array, make_active: bool) -> None:
     """Write a UV map, values (l, 2), in place of one of the same name."""
     layers = obj.data.uv_layers

@@ -10,14 +10,14 @@ from .. import bridge
 from ..bridge import Array, AttributeLayer, RefusedError
 from ..pairing import Donor, Pair
 from ..settings import Names, Settings, choose
-from .base import Kind
+from .base import Kind, beside
 from .filling import fill_edges, fill_faces, fill_points
 
 _WORDS = {"POINT": "points", "EDGE": "edges", "FACE": "faces", "CORNER": "face corners"}
 
 
 class Attributes(Kind):
-    """All attributes of the user's or the chosen ones; 0, false or empty where unmatched."""
+    """All attributes of the user's or the chosen ones; where unmatched 0, false, empty, or what is written over."""
 
     noun = "attribute"
 
@@ -26,6 +26,11 @@ class Attributes(Kind):
         self._layers: list[AttributeLayer] = gift[0]
         self._edges: Array = gift[1]
         self._targets = [names.claim(layer.name) for layer in self._layers]
+        mesh = pair.receiver.data
+        self._own = [
+            bridge.read_layer(mesh, name, layer.domain, layer.data_type)
+            for layer, name in zip(self._layers, self._targets, strict=True)
+        ]
         self._moved: list[AttributeLayer] = []
 
     @classmethod
@@ -44,8 +49,8 @@ class Attributes(Kind):
     def compute(self) -> None:
         """Values per element of each attribute's domain."""
         move = {"POINT": self._points, "EDGE": self._on_edges, "FACE": self._faces, "CORNER": self._corners}
-        for layer, name in zip(self._layers, self._targets, strict=True):
-            values = move[layer.domain](_without_objects(layer.values))
+        for layer, name, own in zip(self._layers, self._targets, self._own, strict=True):
+            values = beside(*move[layer.domain](_without_objects(layer.values)), own)
             self._moved.append(AttributeLayer(name, layer.domain, layer.data_type, values))
 
     def write(self) -> None:
@@ -57,20 +62,20 @@ class Attributes(Kind):
         """Names of the attributes."""
         return [f"{layer.name} ({_WORDS[layer.domain]})" for layer in self._moved]
 
-    def _points(self, values: Array) -> Array:
+    def _points(self, values: Array) -> tuple[Array, Array]:
+        """As the others: values, and which rows have any."""
         self.step(len(self._layers))
         moved = transfer.transfer_point(self.pair.correspondence, self.pair.given.triangles, values)
         result = moved.values
         result[~moved.mask] = np.zeros((), result.dtype)
-        if self.settings.fill:
-            result, filled = fill_points(self.pair, result, moved.mask, self.hold)
-            self.filled |= filled
-        return result
+        return self._completed(fill_points, result, moved.mask)
 
-    def _corners(self, values: Array) -> Array:
-        return self.pair.to_loops(*self.move_corners(transfer.transfer_corner, values, len(self._layers)))
+    def _corners(self, values: Array) -> tuple[Array, Array]:
+        pair = self.pair
+        moved, mask = self.move_corners(transfer.transfer_corner, values, len(self._layers))
+        return pair.to_loops(moved, mask), pair.whole_polygons(mask)[pair.arrays.loop_polygons]
 
-    def _faces(self, values: Array) -> Array:
+    def _faces(self, values: Array) -> tuple[Array, Array]:
         pair = self.pair
         moved = transfer.transfer_face(
             pair.correspondence,
@@ -80,13 +85,9 @@ class Attributes(Kind):
             donor_polygons=pair.given.polygons,
             progress=self.step(len(self._layers)),
         )
-        result = moved.values
-        if self.settings.fill:
-            result, filled = fill_faces(pair, result, moved.mask, self.hold)
-            self.filled |= filled
-        return result
+        return self._completed(fill_faces, moved.values, moved.mask)
 
-    def _on_edges(self, values: Array) -> Array:
+    def _on_edges(self, values: Array) -> tuple[Array, Array]:
         pair = self.pair
         own, triangles, given, donor_triangles = pair.geometry()
         moved = transfer.transfer_edge(
@@ -100,11 +101,16 @@ class Attributes(Kind):
             values,
             progress=self.step(len(self._layers)),
         )
-        result = moved.values
-        if self.settings.fill:
-            result, filled = fill_edges(pair, result, self.hold)
-            self.filled |= filled
-        return result
+        # A matched edge without a value has none on the donor either: that is known of it.
+        return self._completed(fill_edges, moved.values, pair.matched[pair.arrays.edges].all(axis=1))
+
+    def _completed(self, fill: Any, values: Array, known: Array) -> tuple[Array, Array]:
+        """Filled if that is wanted."""
+        if not self.settings.fill:
+            return values, known
+        result, known, filled = fill(self.pair, values, known, self.hold)
+        self.filled |= filled
+        return result, known
 
 
 def _without_objects(values: Array) -> Array:

@@ -103,9 +103,19 @@ class Kind:
         self.filled |= filled
         return result, mask
 
+    def to_loops(self, values: Array, mask: Array, own: Array | None) -> Array:
+        """Rows per triangle corner as rows per loop; the receiver's own, or zeros, in polygons that have none."""
+        pair = self.pair
+        return beside(pair.to_loops(values, mask), pair.whole_polygons(mask)[pair.arrays.loop_polygons], own)
+
     def summary(self) -> str:
         """What the receiver gets, for the report; empty if nothing."""
         names = self.received()
         if len(names) > MANY:
             return f"{len(names)} {self.noun}s"
         return f"{self.noun} {', '.join(names)}" if names else ""
+
+
+def beside(values: Array, known: Array, own: Array | None) -> Array:
+    """Values, and the receiver's own rows, if it has any that are written over, where nothing is known."""
+    return values if own is None else np.where(known.reshape(-1, *[1] * (values.ndim - 1)), values, own)

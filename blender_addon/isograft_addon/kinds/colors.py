@@ -10,12 +10,12 @@ from .. import bridge
 from ..bridge import Array, CornerLayer, RefusedError
 from ..pairing import Donor, Pair
 from ..settings import Names, Settings, choose
-from .base import Kind
+from .base import Kind, beside
 from .filling import fill_points
 
 
 class Colors(Kind):
-    """All colour attributes or the chosen ones; transparent black where unmatched."""
+    """All colour attributes or the chosen ones; where unmatched transparent black, or what is written over."""
 
     noun = "colour attribute"
 
@@ -24,6 +24,11 @@ class Colors(Kind):
         self._layers: list[CornerLayer] = gift
         self._moved: list[CornerLayer] = []
         self._targets = [names.claim(layer.name) for layer in self._layers]
+        mesh = pair.receiver.data
+        self._own = [
+            bridge.read_layer(mesh, name, layer.domain, layer.data_type)
+            for layer, name in zip(self._layers, self._targets, strict=True)
+        ]
 
     @classmethod
     def read(cls, donor: Donor, settings: Settings) -> list[CornerLayer]:
@@ -36,8 +41,8 @@ class Colors(Kind):
 
     def compute(self) -> None:
         """Colours per point or loop."""
-        for layer, name in zip(self._layers, self._targets, strict=True):
-            values = self._points(layer) if layer.domain == "POINT" else self._corners(layer)
+        for layer, name, own in zip(self._layers, self._targets, self._own, strict=True):
+            values = self._points(layer, own) if layer.domain == "POINT" else self._corners(layer, own)
             self._moved.append(CornerLayer(name, layer.domain, layer.data_type, values, layer.is_render))
 
     def write(self) -> None:
@@ -54,15 +59,15 @@ class Colors(Kind):
         """Names of the attributes."""
         return [layer.name for layer in self._moved]
 
-    def _points(self, layer: CornerLayer) -> Array:
+    def _points(self, layer: CornerLayer, own: Array | None) -> Array:
         self.step(len(self._layers))
         moved = transfer.transfer_point(self.pair.correspondence, self.pair.given.triangles, layer.values)
-        values = np.where(moved.mask[:, None], moved.values, 0.0)
+        values, known = np.where(moved.mask[:, None], moved.values, 0.0), np.asarray(moved.mask)
         if self.settings.fill:
             limits = {"low": float(layer.values.min()), "high": float(layer.values.max())}
-            values, filled = fill_points(self.pair, values, moved.mask, self.hold, **limits)
+            values, known, filled = fill_points(self.pair, values, known, self.hold, **limits)
             self.filled |= filled
-        return values
+        return beside(values, known, own)
 
-    def _corners(self, layer: CornerLayer) -> Array:
-        return self.pair.to_loops(*self.move_corners(transfer.transfer_corner, layer.values, len(self._layers)))
+    def _corners(self, layer: CornerLayer, own: Array | None) -> Array:
+        return self.to_loops(*self.move_corners(transfer.transfer_corner, layer.values, len(self._layers)), own)

@@ -26,7 +26,7 @@ class FaceSets(Kind):
 
     def __init__(self, pair: Pair, gift: Any, settings: Settings, names: Names) -> None:
         super().__init__(pair, gift, settings, names)
-        own = bridge.read_face_attribute(pair.receiver.data, NAME, "INT")
+        own = bridge.read_layer(pair.receiver.data, NAME, "FACE", "INT")
         if own is not None and not settings.overwrite:
             raise RefusedError(f"{pair.name} has face sets already; choose Overwrite, or leave face sets out")
         self._sets: Array = np.ones(pair.arrays.polygon_count, dtype=np.int32) if own is None else own
@@ -40,7 +40,7 @@ class FaceSets(Kind):
                 "leave face sets out, or take Blender 3.6 or later"
             )
         with donor.mesh() as mesh:
-            sets = bridge.read_face_attribute(mesh, NAME, "INT")
+            sets = bridge.read_layer(mesh, NAME, "FACE", "INT")
         if sets is None:
             raise RefusedError(f"{donor.obj.name} has no face sets; make some in Sculpt Mode, or leave them out")
         return sets
@@ -58,7 +58,7 @@ class FaceSets(Kind):
         )
         self._sets = np.where(moved.mask, moved.values, self._sets)
         if self.settings.fill:
-            self._sets, self.filled = fill_faces(pair, self._sets, moved.mask, self.hold)
+            self._sets, _, self.filled = fill_faces(pair, self._sets, moved.mask, self.hold)
 
     def write(self) -> None:
         """The face sets."""

@@ -11,18 +11,23 @@ from ..job import Progress
 from ..pairing import Pair
 
 
-def fill_points(pair: Pair, values: Array, known: Array, progress: Progress, **limits: float) -> tuple[Array, Array]:
-    """Values (n, ...) completed over the surface within the limits `low` and `high`, and the vertices (n,) filled."""
+def fill_points(
+    pair: Pair, values: Array, known: Array, progress: Progress, **limits: float
+) -> tuple[Array, Array, Array]:
+    """Values (n, ...) completed over the surface within the limits `low` and `high`.
+
+    Like all here with which rows have values now, and the vertices (n,) that were filled.
+    """
     if known.all() or not known.any():
-        return values, np.zeros(len(known), dtype=bool)
+        return values, known, np.zeros(len(known), dtype=bool)
     completed, filled = transfer.fill_point(
         pair.own.vertices, pair.own.triangles, values, known, progress=progress, **limits
     )
-    return completed, filled
+    return completed, known | filled, filled
 
 
 def fill_corners(pair: Pair, values: Array, known: Array, progress: Progress) -> tuple[Array, Array, Array]:
-    """Values (3 F, ...) completed, the triangles (F,) that have values now, and the vertices (n,) that were filled."""
+    """Values (3 F, ...) completed; rows are told per triangle (F,)."""
     return _corners(transfer.fill_corner, pair, values, known, progress)
 
 
@@ -31,29 +36,25 @@ def fill_normals(pair: Pair, values: Array, known: Array, progress: Progress) ->
     return _corners(transfer.fill_normals, pair, values, known, progress)
 
 
-def fill_faces(pair: Pair, values: Array, known: Array, progress: Progress) -> tuple[Array, Array]:
-    """Values (p, ...) with those of the nearest known faces (p,), and the vertices (n,) that were filled."""
+def fill_faces(pair: Pair, values: Array, known: Array, progress: Progress) -> tuple[Array, Array, Array]:
+    """Values (p, ...) with those of the nearest known faces (p,)."""
     if known.all() or not known.any():
-        return values, np.zeros(len(pair.own.vertices), dtype=bool)
+        return values, known, np.zeros(len(pair.own.vertices), dtype=bool)
     completed, filled = transfer.fill_face(
         pair.own.vertices, pair.own.triangles, values, known, polygons=pair.own.polygons, progress=progress
     )
-    return completed, marks(pair, known[pair.own.polygons], filled[pair.own.polygons])
+    return completed, known | filled, marks(pair, known[pair.own.polygons], filled[pair.own.polygons])
 
 
-def fill_edges(pair: Pair, values: Array, progress: Progress) -> tuple[Array, Array]:
-    """Values (e, ...) of the receiver's edges carried on from the matched ones, and the vertices (n,) that were filled.
-
-    A matched edge without a value has none on the donor either: that is known of it.
-    """
+def fill_edges(pair: Pair, values: Array, known: Array, progress: Progress) -> tuple[Array, Array, Array]:
+    """Values (e, ...) of the receiver's edges carried on from the known ones (e,)."""
     edges, matched = pair.arrays.edges, pair.matched
-    known = matched[edges].all(axis=1)
     marked = np.zeros(len(matched), dtype=bool)
     if known.all() or not known.any():
-        return values, marked
+        return values, known, marked
     completed, filled = transfer.fill_edge(pair.own.vertices, edges, values, known, progress=progress)
     marked[edges[filled]] = True
-    return completed, marked & ~matched
+    return completed, known | filled, marked & ~matched
 
 
 def _corners(fill: Any, pair: Pair, values: Array, known: Array, progress: Progress) -> tuple[Array, Array, Array]:

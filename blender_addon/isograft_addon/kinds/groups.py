@@ -68,9 +68,8 @@ class Groups(Kind):
         moved = transfer.transfer_weights(pair.correspondence, pair.given.triangles, self.gift.weights)
         values, self._rows = np.asarray(moved.values), np.asarray(moved.mask)
         if settings.fill:
-            values, filled = fill_points(pair, values, self._rows, self.hold, low=0.0, high=1.0)
+            values, self._rows, filled = fill_points(pair, values, self._rows, self.hold, low=0.0, high=1.0)
             self.filled |= filled
-            self._rows = self._rows | filled
         mixed = transfer.mix_weights(
             self._own,
             values,

@@ -103,10 +103,9 @@ class Keys(Kind):
         values, rows = np.asarray(moved.values), np.asarray(moved.mask)
         if settings.fill:
             flat = np.moveaxis(values, 0, 1).reshape(len(rows), -1)
-            flat, filled = fill_points(pair, flat, rows, self.hold)
+            flat, rows, filled = fill_points(pair, flat, rows, self.hold)
             values = np.moveaxis(flat.reshape(len(rows), -1, 3), 1, 0)
             self.filled |= filled
-            rows = rows | filled
         self._assemble(values @ from_seen, rows)
         if not rows.all():
             count = int(np.count_nonzero(~rows))

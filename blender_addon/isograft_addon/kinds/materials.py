@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from isograft import transfer
 
 from .. import bridge
 from ..bridge import Array, RefusedError
@@ -43,7 +44,7 @@ class Slots:
             materials,
             given,
             list(pair.receiver.data.materials),
-            bridge.own_polygon_materials(pair.receiver),
+            bridge.polygon_materials(pair.receiver.data),
             [material.name for material in materials if material is not None],
         )
 
@@ -52,32 +53,36 @@ class Slots:
         """True if the receiver gets a material."""
         return bool(self.names)
 
-    def assign(self, polygons: Array, progress: Progress) -> Array:
+    def assign(self, polygons: Array, fill: bool, progress: Progress) -> Array:
         """Give the donor's materials to the receiver's polygons of the mask `polygons`.
 
-        A face takes the material of the donor's face under its first corner, one that is to have a material though it
-        is unmatched that of the nearest face. Other faces keep theirs; where the receiver had no slot, an empty one is
-        made for them. Returns the vertices (n,) that were filled.
+        A face takes the material of the donor's face under its centre, with `fill` one that is unmatched that of the
+        nearest face. Other faces keep theirs; where the receiver had no slot, an empty one is made for those. Returns
+        the vertices (n,) that were filled.
         """
-        if not self.own and not polygons.all():
+        pair = self.pair
+        moved = transfer.transfer_face(
+            pair.correspondence,
+            *pair.geometry(),
+            self.given,
+            receiver_polygons=pair.own.polygons,
+            donor_polygons=pair.given.polygons,
+            progress=progress,
+        )
+        slots, known = np.clip(moved.values, 0, len(self.materials) - 1), polygons & moved.mask
+        filled = np.zeros(len(pair.own.vertices), dtype=bool)
+        if fill:
+            slots, has_any, filled = fill_faces(pair, slots, known, progress)
+            known = polygons & has_any
+        if not self.own and not known.all():
             self.own.append(None)
         slot_of = np.zeros(len(self.materials), dtype=np.int32)
         for donor_slot, material in enumerate(self.materials):
             if material not in self.own:
                 self.own.append(material)
             slot_of[donor_slot] = self.own.index(material)
-        pair = self.pair
-        first = np.full(pair.arrays.polygon_count, -1)
-        order = np.arange(len(pair.own.polygons))[::-1]
-        first[pair.own.polygons[order]] = pair.own.triangles[order, 0]
-        face = pair.correspondence.face[first[polygons]]
-        found = np.clip(self.given[pair.given.polygons[face]], 0, len(self.materials) - 1)
-        self.index[polygons] = np.where(face >= 0, slot_of[found], self.index[polygons])
+        self.index = np.where(known, slot_of[slots], self.index)
         self.names = self.given_names
-        known = polygons.copy()
-        known[polygons] = face >= 0
-        completed, filled = fill_faces(pair, self.index, known, progress)
-        self.index[polygons] = completed[polygons]
         return filled
 
     def write(self, obj: Any) -> None:
@@ -105,10 +110,8 @@ class Materials(Kind):
         assert self._slots is not None
         pair = self.pair
         whole = pair.whole_polygons(pair.matched[pair.own.triangles].all(axis=1))
-        if self.settings.fill:
-            self.filled |= self._slots.assign(np.ones_like(whole), self.hold)
-        else:
-            self._slots.assign(whole, self.hold)
+        fill = self.settings.fill
+        self.filled |= self._slots.assign(whole | fill, fill, self.hold)
 
     def write(self) -> None:
         """Slots and faces."""

@@ -15,7 +15,7 @@ from .filling import fill_normals
 
 
 class Normals(Kind):
-    """The custom normals of the face corners; unmatched faces keep Blender's own."""
+    """The custom normals of the face corners; unmatched faces keep theirs."""
 
     noun = "layer"
 
@@ -23,6 +23,8 @@ class Normals(Kind):
         super().__init__(pair, gift, settings, names)
         if pair.receiver.data.has_custom_normals and not settings.overwrite:
             raise RefusedError(f"{pair.name} has custom normals already; choose Overwrite, or leave normals out")
+        mesh = pair.receiver.data
+        self._own = bridge.read_corner_normals(mesh) if mesh.has_custom_normals else None
         self._normals: Array = np.zeros((0, 3))
 
     @classmethod
@@ -34,18 +36,19 @@ class Normals(Kind):
             return bridge.read_corner_normals(mesh)
 
     def compute(self) -> None:
-        """Normals per loop, 0 where unmatched."""
+        """Normals per loop; where unmatched the receiver's custom ones, or 0."""
         pair = self.pair
         # A normal goes with the inverse of the transposed matrix that a point goes with.
         seen = self.gift @ np.linalg.inv(pair.donor.arrays.linear)
         seen /= np.maximum(np.linalg.norm(seen, axis=1, keepdims=True), 1e-30)
         normals, mask = self.move_corners(transfer.transfer_normals, seen, complete=fill_normals)
-        own = pair.to_loops(normals, mask) @ pair.arrays.linear
-        self._normals = own / np.maximum(np.linalg.norm(own, axis=1, keepdims=True), 1e-30)
+        back = normals @ pair.arrays.linear
+        back /= np.maximum(np.linalg.norm(back, axis=1, keepdims=True), 1e-30)
+        self._normals = self.to_loops(back, mask, self._own)
         whole = pair.whole_polygons(mask)
         if not whole.all():
             count = int(np.count_nonzero(~whole))
-            text = f"{pair.name}: {count:,} of {len(whole):,} faces are unmatched; they keep Blender's normals"
+            text = f"{pair.name}: {count:,} of {len(whole):,} faces are unmatched; they keep their normals"
             self.warnings.append(text)
 
     def write(self) -> None:

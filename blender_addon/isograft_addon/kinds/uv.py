@@ -33,6 +33,8 @@ class UVMaps(Kind):
             raise RefusedError(
                 f"{pair.name} would get more than {bridge.MAX_UV_LAYERS} UV maps; remove some, or choose Overwrite"
             )
+        own = {layer.name: layer.values for layer in bridge.read_uv_layers(mesh)}
+        self._own = [own.get(name) for name in self._targets]
         # With materials of its own kind, these are not needed here.
         linked = settings.link_materials and "MATERIALS" not in settings.what
         self._slots = Slots.read(pair) if linked else None
@@ -47,19 +49,21 @@ class UVMaps(Kind):
         return choose(layers, settings.uv_names, donor.obj.name, "UV map", lambda layer: layer.name)
 
     def compute(self) -> None:
-        """UVs per loop, 0 where unmatched."""
+        """UVs per loop; where unmatched those that are written over, or 0."""
         pair = self.pair
-        for layer, name in zip(self._layers, self._targets, strict=True):
+        for layer, name, own in zip(self._layers, self._targets, self._own, strict=True):
             uv, mask = self.move_corners(transfer.transfer_corner_uv, layer.values, len(self._layers))
             self._has_uv = pair.whole_polygons(mask)
             if self._mark and layer is self._seam_layer():
                 self._seams = self._edges(uv, mask)
-            self._moved.append(CornerLayer(name, "CORNER", "UV", pair.to_loops(uv, mask), layer.is_render))
+            self._moved.append(CornerLayer(name, "CORNER", "UV", self.to_loops(uv, mask, own), layer.is_render))
         if self._slots is not None:
-            self._slots.assign(self._has_uv, self.hold)
+            self._slots.assign(self._has_uv, self.settings.fill, self.hold)
         if not self._has_uv.all():
             count = int(np.count_nonzero(~self._has_uv))
-            text = f"{pair.name}: {count:,} of {len(self._has_uv):,} faces are unmatched; their UVs are 0"
+            kept = [own is not None for own in self._own]
+            stay = "as they were" if all(kept) else "0, or as they were" if any(kept) else "0"
+            text = f"{pair.name}: {count:,} of {len(self._has_uv):,} faces are unmatched; their UVs are {stay}"
             self.warnings.append(text)
 
     def write(self) -> None:
