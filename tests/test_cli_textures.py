@@ -124,17 +124,18 @@ def test_normal_maps_are_turned_into_the_receivers_tangent_frames(folder: Path, 
 def test_every_face_is_read_in_the_image_of_its_own_material(folder: Path, capsys: Any) -> None:
     half = 144
     paint(
-        folder, "newmtl skin", "map_Kd color.png", "Pr 0.2", "newmtl glass", "Kd 0.25 0.5 1", "Pr 0.8",
+        folder, "newmtl skin", "map_Kd color.png", "Pr 0.2", "newmtl glass", "Kd 0.25 0.5 1", "Pr 1.5",
         "map_d clear.png", "newmtl unused", "map_Kd lost.png",
         materials={0: "skin", half: "glass", 2 * half - 24: "None"},
     )  # fmt: skip
     (folder / "donor.obj").write_text((folder / "donor.obj").read_text().replace("usemtl None", "usemtl"))
     assert transfer(folder) == 0
+    assert "Pr of the material glass is not between 0 and 1" in capsys.readouterr().err
     material = read_mesh(folder / "donor.obj").triangle_polygon
     material = np.select([material < half, material < 2 * half - 24], [0, 1], 2).astype(np.int32)
     clear, color = read_image(folder / "clear.png"), read_image(folder / "color.png")
     srgb = np.rint(255 * np.array([0.5371, 0.7354, 1.0])).astype(np.uint8)
-    byte = [np.array([value], np.uint8) for value in (51, 204, 255)]
+    byte = [np.array([value], np.uint8) for value in (51, 255, 255)]
     for name, images in {
         "map_Kd": [color, srgb, None],
         "map_Pr": [byte[0], byte[1], None],

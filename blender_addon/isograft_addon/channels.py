@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from isograft import transfer
+from isograft.color_spaces import luminance, to_linear, to_srgb
 
 from . import bridge
 from .bridge import Array, Input, RefusedError, Texture
@@ -14,7 +15,6 @@ from .pairing import Donor
 _EXTENSION = {"REPEAT": "repeat", "EXTEND": "extend", "CLIP": "clip", "MIRROR": "repeat"}
 _TILE_EDGE = 1e-4
 """UVs this far beyond a UDIM tile lie on its edge."""
-_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
 @dataclass(frozen=True)
@@ -242,8 +242,7 @@ def _values(pixels: Array, texture: Texture, width: int, stays_byte: bool) -> Ar
     if texture.component is None:
         chosen = pixels[..., :3]
     elif texture.component < 0:
-        grey = pixels[..., :3] @ _LUMINANCE
-        chosen = (np.rint(grey) if pixels.dtype == np.uint8 else grey)[..., None].astype(pixels.dtype)
+        chosen = luminance(pixels)
     else:
         chosen = pixels[..., texture.component : texture.component + 1]
     return np.ascontiguousarray(np.broadcast_to(chosen, (*pixels.shape[:2], width)))
@@ -278,16 +277,3 @@ def _refuse_mixture(owner: str, name: str, items: dict[int, Input], warnings: li
     }
     if len(looks) > 1:
         warnings.append(f"{owner}: the materials differ in how {name} shows its image; the first one's way is taken")
-
-
-def to_linear(encoded: Array) -> Array:
-    """sRGB to linear."""
-    result: Array = np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
-    return result.astype(encoded.dtype)
-
-
-def to_srgb(linear: Array) -> Array:
-    """Linear to sRGB."""
-    linear = np.clip(linear, 0.0, None)
-    result: Array = np.where(linear <= 0.0031308, linear * 12.92, 1.055 * linear ** (1 / 2.4) - 0.055)
-    return result

@@ -66,14 +66,13 @@ class _Modal(_DonorToReceivers):
     """An operator whose work runs beside Blender; _plan() reads what it needs and later writes what it found."""
 
     properties: Any
-    execute: Callable[[bpy.types.Context], set[str]]
     verb: str
 
     def _plan(self, context: bpy.types.Context) -> Any:
         raise NotImplementedError
 
-    def _run(self, context: bpy.types.Context) -> set[str]:
-        """In the calling thread."""
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Work in the calling thread."""
         try:
             plan = self._plan(context)
             results = Job(plan.task()).run()
@@ -86,8 +85,8 @@ class _Modal(_DonorToReceivers):
         except _REFUSALS as error:
             return self.fail(error)
 
-    def _start(self, context: bpy.types.Context) -> set[str]:
-        """In a worker thread; Esc cancels."""
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Work in a worker thread; Esc cancels."""
         if bpy.app.background:
             return self.execute(context)
         try:
@@ -170,14 +169,6 @@ class OBJECT_OT_isograft_match(_Modal, bpy.types.Operator):
     bl_label = "Match"
     verb = "Match"
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        """Match in the calling thread."""
-        return self._run(context)
-
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Match in a worker thread."""
-        return self._start(context)
-
     def _plan(self, context: bpy.types.Context) -> matching.Plan:
         return matching.plan(*participants(context), context, properties.match_options(self.properties))
 
@@ -188,14 +179,6 @@ class OBJECT_OT_isograft_transfer(_Modal, bpy.types.Operator):
     bl_idname = "object.isograft_transfer"
     bl_label = "Transfer"
     verb = "Transfer"
-
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        """Transfer in the calling thread."""
-        return self._run(context)
-
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Transfer in a worker thread."""
-        return self._start(context)
 
     def _plan(self, context: bpy.types.Context) -> grafting.TransferTask:
         return grafting.prepare(*participants(context), context, Settings.of(self.properties))
@@ -208,14 +191,6 @@ class OBJECT_OT_isograft_bake(_Modal, bpy.types.Operator):
     bl_label = "Bake Textures"
     verb = "Bake"
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        """Bake in the calling thread."""
-        return self._run(context)
-
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Bake in a worker thread."""
-        return self._start(context)
-
     def _plan(self, context: bpy.types.Context) -> baking.BakeTask:
         settings = baking.BakeSettings.of(self.properties)
         return baking.prepare(*participants(context), context, settings)
@@ -227,14 +202,6 @@ class OBJECT_OT_isograft_wrap(_Modal, bpy.types.Operator):
     bl_idname = "object.isograft_wrap"
     bl_label = "Wrap"
     verb = "Wrap"
-
-    def execute(self, context: bpy.types.Context) -> set[str]:
-        """Wrap in the calling thread."""
-        return self._run(context)
-
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """Wrap in a worker thread."""
-        return self._start(context)
 
     def _plan(self, context: bpy.types.Context) -> wrapping.WrapTask:
         settings = wrapping.WrapSettings.of(self.properties)

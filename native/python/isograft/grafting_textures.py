@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from isograft.color_spaces import luminance, to_srgb
 from isograft.errors import InvalidInput
 from isograft.formats.layers import MATERIAL
 from isograft.formats.materials import Material, Numbers, Texture
@@ -48,7 +49,6 @@ _SHOWN = {
     "map_Bump": _Shown("bump", "", "", (0.0,)),
     "disp": _Shown("displacement", "", "value", (0.0,)),
 }
-_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,6 +177,9 @@ def _channel(
         if i not in textures:
             default = (0.5, 0.5, 1.0) if kind == "normal" else shown.default
             number = material.numbers.get(shown.number, default) if shown.number else default
+            if not all(0.0 <= value <= 1.0 for value in number):
+                text = f"{shown.number} of the material {names[i]} is not between 0 and 1, and is painted as if it were"
+                warnings.append(f"{donor.path}: {text}")
             images[i] = _constant(np.resize(number, 3 if kind == "color" else width), kind, width, in_bytes)
             continue
         images[i] = _widened(whole[i], width, in_bytes)
@@ -235,11 +238,7 @@ def _components(pixels: Array, texture: Texture, keyword: str, kind: str) -> Arr
 
 def _grey(pixels: Array) -> Array:
     """Luminance, or the one component that there is."""
-    if not _is_coloured(pixels):
-        return pixels[..., :1]
-    grey = pixels[..., :3] @ _LUMINANCE
-    rounded: Array = (np.rint(grey) if pixels.dtype == np.uint8 else grey)[..., None].astype(pixels.dtype)
-    return rounded
+    return luminance(pixels) if _is_coloured(pixels) else pixels[..., :1]
 
 
 def _widened(pixels: Array, width: int, in_bytes: bool) -> Array:
@@ -258,7 +257,7 @@ def _constant(number: Array, kind: str, width: int, in_bytes: bool) -> Array:
     """A number as an image's pixel: colours as sRGB, which images of colours are in."""
     value = np.clip(np.asarray(number, np.float64), 0.0, 1.0)
     if kind == "color":
-        value = np.where(value <= 0.0031308, 12.92 * value, 1.055 * value ** (1 / 2.4) - 0.055)
+        value = to_srgb(value)
     value = np.concatenate([value, np.ones(max(0, width - len(value)))])[:width]
     pixel: Array = np.rint(255 * value).astype(np.uint8) if in_bytes else value.astype(np.float32)
     return pixel
