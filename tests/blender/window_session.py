@@ -26,6 +26,7 @@ FOLDER = Path(sys.argv[sys.argv.index("--") + 1])
 PATIENCE = 60.0
 
 seen: dict[str, Any] = {}
+ended: list[str] = []
 
 
 def window() -> Any:
@@ -50,12 +51,25 @@ def worker_runs() -> bool:
     return any(thread.name == "isograft" for thread in threading.enumerate())
 
 
+def note_ends() -> None:
+    """Have `ended` say when an operator has written what its worker found, or given up."""
+    modal = sys.modules["isograft_addon.operators"]._Modal
+    end = modal._end
+
+    def noted(self: Any, context: Any) -> None:
+        end(self, context)
+        ended.append(self.verb)
+
+    modal._end = noted
+
+
 def wait_for_end() -> Iterator[float]:
-    """Until the worker has ended and the operator has taken notice of it."""
+    """Until the operator has taken notice that its worker has ended."""
     start = time.monotonic()
-    while worker_runs() and time.monotonic() - start < PATIENCE:
+    while not ended and time.monotonic() - start < PATIENCE:
         yield 0.1
-    yield 1.5
+    ended.clear()
+    yield 0.5
 
 
 def press(key: str) -> Iterator[float]:
@@ -148,6 +162,7 @@ def session() -> Iterator[float]:
     for obj in list(bpy.data.objects):
         bpy.data.objects.remove(obj)
     Pair()
+    note_ends()
     with bpy.context.temp_override(**view()):
         bpy.ops.view3d.view_all()
         bpy.ops.ed.undo_push(message="Ready")
@@ -178,7 +193,7 @@ def session() -> Iterator[float]:
     while worker_runs():
         yield 0.05
     seen["seconds_to_cancel"] = time.monotonic() - cancelled
-    yield 1.5
+    yield from wait_for_end()
     seen["cancel_changes_nothing"] = state() == before
 
     start_match()
