@@ -179,6 +179,49 @@ class Album:
             twin.data.materials.append(material)
         twin.data.polygons.foreach_set("material_index", np.zeros(len(first), dtype=np.int32))
 
+    def attributes(self) -> None:
+        """A number of every point, unmatched parts left at 0 (grey), and filled on request."""
+        height = np.array([vertex.co.z for vertex in self.donor.data.vertices])
+        bands = 0.5 - 0.5 * np.cos(12.0 * np.pi * (height - height.min()) / np.ptp(height))
+        layer = self.donor.data.attributes.new("Bands", "FLOAT", "POINT")
+        layer.data.foreach_set("value", bands.astype(np.float32))
+        matched = addon.read_attribute(self.receiver, "isograft_face") >= 0
+        items = [copy_of(self.donor)]
+        coloured(items[0], "Shown", pictures.heat(bands, np.ones(len(bands), dtype=bool)))
+        for known in (matched, np.ones_like(matched)):
+            self.graft(what={"ATTRIBUTES"}, attribute_names="Bands", fill=bool(known.all()), overwrite=True)
+            items.append(copy_of(self.receiver))
+            coloured(items[-1], "Shown", pictures.heat(addon.read_attribute(self.receiver, "Bands"), known))
+        self.shoot("attributes", items, ["donor's attribute", "unmatched left alone", "filled on request"])
+        pictures.remove(items)
+        self.donor.data.attributes.remove(self.donor.data.attributes["Bands"])
+
+    def normals(self) -> None:
+        """Custom normals that shade the donor as if it were carved, and the receiver before and after."""
+        kept = self.donor.data
+        self.donor.data = mesh = kept.copy()
+        mesh.polygons.foreach_set("use_smooth", np.ones(len(mesh.polygons), dtype=bool))
+        if hasattr(mesh, "use_auto_smooth"):
+            mesh.use_auto_smooth = True
+        own = np.array([tuple(vertex.normal) for vertex in mesh.vertices])
+        # The nearest of 14 directions, each with all that looks its way: planes where the surface is round.
+        turns = np.arange(14) + 0.5
+        tilt, turn = np.arccos(1.0 - 2.0 * turns / 14), turns * np.pi * (1.0 + 5.0**0.5)
+        directions = np.stack([np.cos(turn) * np.sin(tilt), np.sin(turn) * np.sin(tilt), np.cos(tilt)], axis=1)
+        carved = directions[(own @ directions.T).argmax(axis=1)]
+        mesh.normals_split_custom_set_from_vertices(carved.tolist())
+        items = [copy_of(self.donor), copy_of(self.receiver)]
+        self.graft(what={"NORMALS"})
+        items.append(copy_of(self.receiver))
+        plain = scene.plain_material("Clay", (0.45, 0.33, 0.26), 0.35)
+        for item in items:
+            item.data.materials.clear()
+            item.data.materials.append(plain)
+        items[1].data.polygons.foreach_set("use_smooth", np.ones(len(items[1].data.polygons), dtype=bool))
+        self.shoot("normals", items, ["donor's custom normals", "receiver before", "turned with the surface"])
+        pictures.remove(items)
+        self.donor.data = kept
+
     def wrap(self) -> None:
         """The donor's mesh on the scan, what was completed in another colour."""
         addon.select(self.donor, self.receiver)
@@ -209,6 +252,8 @@ def main(folder: Path, zip_path: Path, names: list[str]) -> None:
         "groups": album.groups,
         "keys": album.keys,
         "materials": album.materials,
+        "attributes": album.attributes,
+        "normals": album.normals,
         "wrap": album.wrap,
         "textures": album.textures,
     }
