@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`isograft transfer --cut-seams`: what the receiver carries is cut along."""
+"""`isograft transfer --cut-seams` and `--mark-seams`: what the receiver carries is cut along, islands end at marks."""
 
 from __future__ import annotations
 
@@ -128,3 +128,28 @@ def test_what_a_ply_carries_is_cut_along(layer_folder: Path) -> None:
     np.testing.assert_allclose(found.layers.point["mine"], found.vertices[:, 2], rtol=0, atol=1e-6)
     assert len(found.layers.face["part"]) == len(found.polygons.sizes) > 45
     assert set(found.layers.face["part"].tolist()) == set(range(45))
+
+
+def test_edges_along_which_the_islands_part_are_marked(layer_folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    options = ("--what", "uv", "--cut-seams", "--mark-seams")
+    assert run(layer_folder, "quads.obj", *options, out="out.ply") == 0
+    found, mesh = dict(np.load(layer_folder / "out.npz")), read_mesh(layer_folder / "out.ply")
+    seams = found["edges"][found["edge/uv_seam"]]
+    # The tube's one seam, from end to end along new vertices.
+    ends, count = np.unique(seams, return_counts=True)
+    assert (np.sort(count)[:2] == 1).all() and (np.sort(count)[2:] == 2).all()
+    assert ends.min() >= ROWS * COLUMNS + COLUMNS
+    np.testing.assert_allclose(np.sort(mesh.vertices[ends[count == 1], 2]), [0, 4], rtol=0, atol=1e-6)
+    np.testing.assert_array_equal(mesh.layers.edges[mesh.layers.edge["uv_seam"] != 0], seams)
+    # Beside own marks, in a table that has few edges.
+    mine = np.array([[1, 0], [2, 1]], np.int32)
+    own = own_data(layer_folder, edges=mine, edge_uv_seam=np.array([True, False]), edge_row=np.array([7, 8]))
+    assert run(layer_folder, "quads.obj", "--what", "uv", "--mark-seams", *own) == 0
+    found = dict(np.load(layer_folder / "out.npz"))
+    np.testing.assert_array_equal(found["edges"][:2], mine)
+    assert found["edge/uv_seam"].tolist() == [True, False, *[True] * (len(found["edges"]) - 2)]
+    assert found["edge/row"].tolist() == [7, 8, *[0] * (len(found["edges"]) - 2)]
+    assert len(found["edges"]) > 2 + ROWS - 1
+    given = ("--target-data", str(layer_folder / "all.npz"))
+    assert run(layer_folder, "quads.obj", "--what", "weights", *given, "--mark-seams") == 2
+    assert "--mark-seams marks the seams of texture coordinates; add uv to --what" in capsys.readouterr().err

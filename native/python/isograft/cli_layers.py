@@ -98,7 +98,7 @@ def open_layers(
             mesh.polygons.layers = mesh.layers.with_(_open(path, mesh))
     if moves_layers(what, target):
         choose_layers(what, target, options)
-    elif arguments.source_data is None and arguments.data_output is None:
+    elif arguments.source_data is None and arguments.data_output is None and not arguments.mark_seams:
         return None
     output: str = arguments.data_output or str(Path(arguments.output).with_suffix(".npz"))
     check_output(output, (".npz",))

@@ -73,6 +73,11 @@ def add_transfer(commands: Any, epilog: str) -> None:
         "sides",
     )
     parser.add_argument(
+        "--mark-seams",
+        action="store_true",
+        help="with uv: mark the edges along which the islands part (the attribute uv_seam of edges)",
+    )
+    parser.add_argument(
         "--fill",
         action="store_true",
         help="continue smoothly into what is unmatched; .ply marks it (isograft_filled)",
@@ -108,6 +113,7 @@ def run_transfer(arguments: argparse.Namespace) -> int:
             target,
             what=what,
             cut_seams=arguments.cut_seams,
+            mark_seams=arguments.mark_seams,
             fill=arguments.fill,
             textures=textures,
             size=arguments.size,
@@ -213,8 +219,9 @@ def _check_meshes(arguments: argparse.Namespace, what: set[str], source: MeshFil
         raise BadInput(f"{arguments.source}: the receiver has no texture coordinates to bake into; add uv to --what")
     if arguments.unmatched and "shape" not in what:
         raise BadInput("--unmatched says how the donor's shape is completed; it is for --what shape")
-    if arguments.cut_seams and "uv" not in what:
-        raise BadInput("--cut-seams cuts along the seams of texture coordinates; add uv to --what")
+    for given, does in ((arguments.cut_seams, "--cut-seams cuts along"), (arguments.mark_seams, "--mark-seams marks")):
+        if given and "uv" not in what:
+            raise BadInput(f"{does} the seams of texture coordinates; add uv to --what")
     for path, mesh in ((arguments.source, source), (arguments.target, target)):
         if not len(mesh.faces):
             raise BadInput(f"{path}: the file has no faces")

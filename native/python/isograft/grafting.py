@@ -19,7 +19,7 @@ from isograft.formats.layers import FILLED
 from isograft.formats.mesh import MeshFile
 from isograft.formats.mesh_output import MeshOutput
 from isograft.grafting_cut import cut_receiver
-from isograft.grafting_layers import LayerOptions, graft_layers, moves_layers
+from isograft.grafting_layers import LayerOptions, graft_layers, moves_layers, with_seams
 from isograft.grafting_moves import Mover
 from isograft.grafting_textures import Textures
 from isograft.progress import part_of
@@ -28,6 +28,7 @@ from isograft.transfer import (
     bake,
     fill_corner,
     fill_point,
+    seam_edges,
     transfer_corner_uv,
     transfer_point,
     wrap,
@@ -74,6 +75,7 @@ def graft(
     *,
     what: set[str],
     cut_seams: bool = False,
+    mark_seams: bool = False,
     fill: bool = False,
     textures: Textures | None = None,
     size: int = 1024,
@@ -87,7 +89,8 @@ def graft(
 
     `textures` are the donor's, for texture; `layers` says which attributes, weights and keys, and how. With `cut_seams`
     polygons of the receiver that the donor's seams cross are cut along them, into triangles, with all that the receiver
-    carries. `unmatched` is wrap()'s method, for the shape.
+    carries; with `mark_seams` edges along which the islands part are marked. `unmatched` is wrap()'s method, for the
+    shape.
 
     Raises:
         InvalidInput: the map does not fit, or the donor's data cannot be used.
@@ -145,6 +148,10 @@ def graft(
         filled |= moved.filled
         result.counts.update(moved.counts)
         result.warnings += moved.warnings
+    if mark_seams and has_uvs is not None:
+        seams = seam_edges(receiver.faces, triangle_uvs, mask=has_uvs, polygons=receiver.triangle_polygon)
+        mesh.layers = with_seams(mesh.layers, receiver, seams)
+        result.counts["seam_edges"] = len(seams)
     if fill:
         before = mesh.layers.point.get(FILLED)
         mesh.filled = filled if before is None else filled | before.astype(bool)

@@ -5,13 +5,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from isograft.errors import InvalidInput
-from isograft.formats.layers import DOMAINS, FILLED, Layers
+from isograft.formats.layers import DOMAINS, FILLED, SEAMS, Layers
 from isograft.formats.mesh import MeshFile
 from isograft.grafting_moves import Moved, Mover, edges_of
 from isograft.names import Names, choose
@@ -133,6 +133,22 @@ def graft_layers(
         else:
             _graft_attributes(mover, kind, chosen[kind], options, result)
     return result
+
+
+def with_seams(layers: Layers, receiver: MeshFile, seams: npt.NDArray[np.int32]) -> Layers:
+    """Layers with the edges `seams` (s, 2) marked, beside those that are marked already; SEAMS names the attribute."""
+    edges = edges_of(receiver) if layers.edges is None else layers.edges
+    key = np.array([len(receiver.vertices), 1])
+    lacking = seams[~np.isin(seams @ key, np.sort(edges, axis=1) @ key)]
+    grown = {
+        name: np.concatenate([values, np.zeros((len(lacking), *values.shape[1:]), values.dtype)])
+        for name, values in layers.edge.items()
+    }
+    edges = np.concatenate([edges, lacking])
+    marks = np.isin(np.sort(edges, axis=1) @ key, seams @ key)
+    own = grown.get(SEAMS)
+    grown[SEAMS] = marks | (own != 0) if own is not None and own.ndim == 1 and own.dtype.kind in "biuf" else marks
+    return replace(layers, edges=edges, edge=grown)
 
 
 def _graft_attributes(mover: Mover, kind: str, names: list[str], options: LayerOptions, result: LayerGraft) -> None:

@@ -35,6 +35,8 @@ DOMAINS = ("point", "corner", "face", "edge")
 KINDS = (*DOMAINS, "uv", "weights", "keys")
 #: The attribute of vertices that marks what a transfer made up.
 FILLED = "isograft_filled"
+#: The attribute of edges that marks seams, as the add-on calls it.
+SEAMS = "uv_seam"
 #: The attribute of faces that an OBJ file has: the name of the material, empty for none.
 MATERIAL = "material"
 _WORDS = {"point": "vertices", "weights": "vertices", "keys": "vertices", "corner": "corners of polygons",
