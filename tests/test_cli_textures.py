@@ -14,6 +14,7 @@ from isograft.correspondence import Correspondence
 from isograft.files import read_mesh
 from isograft.formats.images import read_image, write_image
 from isograft.formats.materials import read_mtl
+from isograft.formats.mesh_output import MeshOutput, write_ply_mesh
 from isograft.transfer import Channel, bake
 from seamed_shapes import COARSE, DONORS, SHAPES
 from transfer_files import assert_refused, run, save, save_map, spoil_map
@@ -191,6 +192,29 @@ def test_polygons_that_get_no_image_keep_their_material(folder: Path) -> None:
     assert not whole.all()
     np.testing.assert_array_equal(mesh.layers.face["material"], np.where(whole, "isograft.001", "isograft"))
     assert set(read_mtl(folder / "out.mtl")) == {"isograft.001"}
+
+
+def test_the_image_of_a_ply_is_found_and_named(folder: Path, capsys: Any) -> None:
+    mesh = read_mesh(folder / "donor.obj")
+    polygons = mesh.polygons
+    given = MeshOutput(mesh.vertices, polygons.sizes, polygons.corners, corner_uvs=mesh.corner_uvs)
+    write_ply_mesh(folder / "donor.ply", given, "color.png")
+    options = ("--what", "uv,texture", "--size", str(SIZE))
+    assert run(folder, "bare.obj", *options, out="out.ply", donor="donor.ply") == 0
+    assert b"comment TextureFile out.png\n" in (folder / "out.ply").read_bytes()
+    # The same as by way of an OBJ, but for a level: a PLY has texture coordinates of 32 bits.
+    paint(folder, "newmtl skin", "map_Kd color.png")
+    assert run(folder, "bare.obj", *options, out="other.obj") == 0
+    found, other = (read_image(folder / name).astype(int) for name in ("out.png", "other.png"))
+    assert np.abs(found - other).max() <= 1
+    for name, words in (
+        ("lost.png", "names the image lost.png (comment TextureFile), which is not there"),
+        (None, "no image"),
+    ):
+        write_ply_mesh(folder / "donor.ply", given, name)
+        assert run(folder, "bare.obj", *options, out="new.ply", donor="donor.ply") == 2
+        assert words in capsys.readouterr().err
+    assert not (folder / "new.ply").exists()
 
 
 REFUSALS = [

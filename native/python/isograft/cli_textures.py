@@ -14,6 +14,7 @@ from isograft.errors import InvalidInput
 from isograft.files import MeshFile
 from isograft.formats.images import check_image_output, read_image
 from isograft.formats.materials import Material, read_mtl, write_mtl
+from isograft.formats.ply_header import texture_files
 from isograft.grafting_textures import Textures, material_textures, one_texture, used_materials
 from isograft.names import Names
 
@@ -27,7 +28,8 @@ def add_texture_options(parser: argparse.ArgumentParser) -> None:
         "All images of the donor's materials (mtllib, usemtl) are baked: colour, ambient, specular and emitted colour "
         "(map_Kd, map_Ka, map_Ks, map_Ke), shininess, opacity, roughness, metallic, sheen, clearcoat (map_Ns, map_d, "
         "map_Pr, map_Pm, map_Ps, map_Pc, map_Pcr), normal maps (norm, and map_Bump if it is coloured), heights "
-        "(map_Bump if it is grey, disp). An .obj gets an .mtl beside it that shows them.",
+        "(map_Bump if it is grey, disp). An .obj gets an .mtl beside it that shows them. A .ply names one image, the "
+        "colour (comment TextureFile).",
     )
     group.add_argument("--texture", metavar="IMAGE", help="bake this one only, as the colour of all of the donor")
     group.add_argument(
@@ -53,9 +55,10 @@ def open_textures(arguments: argparse.Namespace, what: set[str], source: MeshFil
     if not folder.is_dir():
         raise BadInput(f"{_output(arguments)}: there is no folder {folder}")
     check_image_output(_output(arguments))
-    if arguments.texture:
-        textures = one_texture(target, _open_image(arguments.texture))
-        read = {Path(arguments.texture)}
+    single = Path(arguments.texture) if arguments.texture else _image_of_ply(target)
+    if single is not None:
+        textures = one_texture(target, _open_image(single))
+        read = {single}
     else:
         library = _library(target)
         textures = material_textures(target, library, _once(_open_image))
@@ -96,6 +99,11 @@ def write_material(path: Path, output: Path, name: str, textures: Textures, imag
     write_mtl(path, name, textures.numbers, lines)
 
 
+def shown_in_ply(output: Path, images: dict[str, str]) -> str | None:
+    """The one image that a .ply at `output` can name, as seen from there: the colour."""
+    return os.path.relpath(images["map_Kd"], output.parent) if "map_Kd" in images else None
+
+
 def libraries_of(mesh: MeshFile) -> list[Path]:
     """The material libraries that an .obj names, whether they exist or not."""
     path = Path(mesh.path)
@@ -109,6 +117,24 @@ def libraries_of(mesh: MeshFile) -> list[Path]:
             whole = path.parent / rest.strip()
             found += [whole] if whole.is_file() else [path.parent / name for name in rest.split()]
     return list(dict.fromkeys(found))
+
+
+def _image_of_ply(donor: MeshFile) -> Path | None:
+    """The one image that a .ply names in a comment of its header, as MeshLab does; None for other files."""
+    path = Path(donor.path)
+    if path.suffix.lower() != ".ply":
+        return None
+    names = texture_files(path.read_bytes())
+    if len(names) != 1:
+        found = f"names {len(names)} images" if names else "names no image"
+        raise BadInput(f"{path}: the donor {found} (comment TextureFile); give --texture")
+    image = path.parent / names[0]
+    if not image.is_file():
+        raise BadInput(
+            f"{path}: the donor names the image {names[0]} (comment TextureFile), which is not there; put it there, or "
+            "give --texture"
+        )
+    return image
 
 
 def _library(donor: MeshFile) -> dict[str, Material]:

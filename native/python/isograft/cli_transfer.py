@@ -20,6 +20,7 @@ from isograft.cli_textures import (
     image_outputs,
     libraries_of,
     open_textures,
+    shown_in_ply,
     shown_material,
     write_material,
 )
@@ -157,7 +158,7 @@ def _write(
             names = [os.path.relpath(path, output.parent) for path in dict.fromkeys(libraries)]
             write_obj(beside(output), result.mesh, materials, names)
         else:
-            write_ply_mesh(beside(output), result.mesh)
+            write_ply_mesh(beside(output), result.mesh, shown_in_ply(output, images))
     return {"textures": list(images.values()), "data": data_output}
 
 

@@ -95,11 +95,12 @@ def _table_of_corners(
     return [f"{keyword} {' '.join(f'{value:.9g}' for value in row)}\n" for row in table.tolist()], rows.tolist()
 
 
-def write_ply_mesh(path: PathLike, mesh: MeshOutput) -> None:
+def write_ply_mesh(path: PathLike, mesh: MeshOutput, texture: str | None = None) -> None:
     """Binary: vertices with colours, marks and normals, faces with `texcoord` (0 where a corner has none), edges that
-    carry something, and all layers of one number a row."""
+    carry something, and all layers of one number a row. `texture` is the image that a comment names."""
     table, header = _vertex_table(mesh)
     faces, edges = ply_properties(mesh.layers.face, ()), ply_properties(mesh.layers.edge, KNOWN_OF_EDGES)
+    header = [f"comment TextureFile {texture}", *header] if texture else header
     header += [f"element face {len(mesh.sizes)}", "property list uint int vertex_indices"]
     header += ["property list uint float texcoord"] if mesh.corner_uvs is not None else []
     header += [f"property {kind} {name}" for name, kind, _ in faces]

@@ -82,6 +82,13 @@ def read_header(path: str, data: bytes) -> Header:  # noqa: PLR0912  (one branch
     raise InvalidInput(f"{path}: line {max(number, 1)}: the file ends before end_header")
 
 
+def texture_files(data: bytes) -> list[str]:
+    """The images that comments of the header name, in MeshLab's manner."""
+    lines = data[:_LONGEST].partition(b"end_header")[0].decode("utf-8", "replace").splitlines()
+    parts = [line.split(None, 2) for line in lines]
+    return [part[2].strip() for part in parts if len(part) == 3 and part[:2] == ["comment", "TextureFile"]]
+
+
 def _next_line(data: bytes, start: int) -> tuple[bytes, int]:
     """One line and the offset of the next: line feeds, carriage returns, or both end it."""
     feed = data.find(b"\n", start)
