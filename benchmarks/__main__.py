@@ -8,7 +8,7 @@ import sys
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
 
-from benchmarks import cancelling, scaling
+from benchmarks import cancelling, composing, scaling
 from benchmarks.children import run_child, stop_children
 from benchmarks.options import Options, largest_first, parse_options, requests_of
 from benchmarks.results import Results
@@ -56,6 +56,8 @@ def main(arguments: list[str]) -> int:
     root = Path(__file__).resolve().parent.parent
     if "--cancel" in arguments:
         return cancelling.main([argument for argument in arguments if argument != "--cancel"], root)
+    if "--compose" in arguments:
+        return composing.main([argument for argument in arguments if argument != "--compose"], root)
     if "--scaling" in arguments:
         return scaling.main([argument for argument in arguments if argument != "--scaling"], root)
     return run(parse_options(arguments, root))

@@ -89,7 +89,7 @@ def reversed_case(case: Case, *, unknown: bool) -> Case:
     corners = positions[faces[kept]]
     edge = float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).mean())
     face, weights, distance = closest_points(vertices, positions, faces[kept])
-    tolerance = np.where(_on_boundary(faces[kept], face, weights), 0.1 * edge, 0.5 * edge)
+    tolerance = np.where(on_boundary(faces[kept], face, weights), 0.1 * edge, 0.5 * edge)
     face = np.where(distance <= tolerance, kept[face], -1)
     return replace(swapped, truth=Truth(face=face, weights=weights), unmatched_is_truth=True)
 
@@ -122,7 +122,7 @@ def true_images(truth: Truth, target: Shape) -> Floats:
     return np.asarray(np.einsum("ij,ijk->ik", truth.weights, target[0][target[1][truth.face]]))
 
 
-def _on_boundary(faces: npt.NDArray[np.int32], face: npt.NDArray[np.int64], weights: Floats) -> npt.NDArray[np.bool_]:
+def on_boundary(faces: npt.NDArray[np.int32], face: npt.NDArray[np.int64], weights: Floats) -> npt.NDArray[np.bool_]:
     """Whether each point, in triangle `face` of `faces`, lies on an edge or at a corner where the surface ends."""
     edges = np.sort(faces[:, [[1, 2], [2, 0], [0, 1]]], axis=2)  # edge k lies opposite to corner k
     _, first, counts = np.unique(edges.reshape(-1, 2), axis=0, return_inverse=True, return_counts=True)

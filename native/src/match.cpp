@@ -119,6 +119,19 @@ double scale_correction(const Pair& pair, const Grown& grown, const MatchOptions
     return 1.0;
 }
 
+// Whether patches grown at a corrected scale confirm it. Seeds err where both surfaces lack much: of 7 corrections of a
+// common unit on real pairs, 6 were wrong and made patches worse or hardly better.
+bool bears_out(const Grown& corrected, const Grown& before, double scale) {
+    const auto quality = [](const Grown& grown) {
+        std::vector<double> all;
+        for (const Patch& patch : grown.patches) all.push_back(patch.quality);
+        return better_half(std::move(all));
+    };
+    constexpr double clearly = 0.95, hardly_worse = 1.05;
+    if (corrected.patches.empty()) return false;
+    return quality(corrected) < (scale == 1.0 ? clearly : hardly_worse) * quality(before);
+}
+
 // Doubt is about errors above 0.1 of the root of T's area, before the refinement; confidence promises half of that
 // after it. Of 97 pairs with a known truth, vertices with 1 - doubt = 0.58, 0.73, 0.84, 0.94 and 0.99 were then right
 // in 0.59, 0.71, 0.78, 0.90 and 0.98 of the cases: of what was off, the refinement mends nearly half.
@@ -276,11 +289,16 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
         lap("growth", 0);
         at = watcher.fraction();
         const double described = end_of_part(at, 1.0, describing, costs.growth() + rest);
-        rescale(prepared, factor, options, watcher, at, described);
-        report.scale = prepared.setting.scale;
+        PreparedPair corrected = prepared;
+        rescale(corrected, factor, options, watcher, at, described);
         until = end_of_part(described, 1.0, costs.growth(), rest);
         lap("scale", 0);
-        grown = grow(pair, settings, options, lap, watcher, described, until);
+        Grown again = grow(corrected.pair, settings, options, lap, watcher, described, until);
+        if (bears_out(again, grown, report.scale)) {
+            prepared = std::move(corrected);
+            grown = std::move(again);
+            report.scale = prepared.setting.scale;
+        }
     }
     report.seeds_tried = grown.seeds;
     report.maps_grown = static_cast<int>(grown.patches.size());

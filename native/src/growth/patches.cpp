@@ -25,6 +25,13 @@ std::vector<std::unique_ptr<Grower>> make_growers(const Pair& pair, const PatchS
 
 }  // namespace
 
+double better_half(std::vector<double> quality) {
+    std::sort(quality.begin(), quality.end());
+    const std::size_t half = std::max<std::size_t>(1, quality.size() / 2);
+    return std::accumulate(quality.begin(), quality.begin() + static_cast<std::ptrdiff_t>(half), 0.0) /
+           static_cast<double>(half);
+}
+
 double mean_mismatch(const Pair& pair, const FeatureOptions& options, const PartialMap& map) {
     double sum = 0.0;
     for (int s = 0; s < pair.source.samples.count(); ++s) {

@@ -29,6 +29,10 @@ struct PatchSettings {
     int threads = 0;
 };
 
+/// Mean of the better half of some patches' qualities: of two ways to lay the surfaces beside each other, the one with
+/// the lower mean lets more of the seeds grow. \param quality at least one.
+double better_half(std::vector<double> quality);
+
 /// Mean mismatch over a map's samples.
 double mean_mismatch(const Pair& pair, const FeatureOptions& options, const PartialMap& map);
 

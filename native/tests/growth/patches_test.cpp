@@ -64,6 +64,12 @@ TEST(Patches, FromRightMatchesAreRightAndComeBestFirst) {
     }
 }
 
+TEST(BetterHalf, IsTheMeanOfWhatIsBelowTheMedian) {
+    EXPECT_DOUBLE_EQ(better_half({9.0, 1.0, 3.0, 7.0}), 2.0);
+    EXPECT_DOUBLE_EQ(better_half({9.0, 1.0, 3.0, 7.0, 100.0}), 2.0);
+    EXPECT_DOUBLE_EQ(better_half({5.0}), 5.0);
+}
+
 TEST(Patches, FromWrongMatchesAreWorse) {
     const auto& settings = twins().settings();
     Grower grower(twins().pair().source.samples, twins().pair().target, settings.growth);
