@@ -76,7 +76,7 @@ using Lap = std::function<void(const char*, std::int64_t)>;
 
 Grown grow(const Pair& pair, const PatchSettings& settings, const MatchOptions& options, const Lap& lap,
            Monitor& monitor, double from, double to) {
-    const double seeded = from + 0.05 * (to - from);
+    const double seeded = from + 0.08 * (to - from);
     std::vector<OrientedMatch> seeds =
         landmark_seeds(pair, options.landmarks, options.feature, options.threads, monitor, from);
     const int forced = static_cast<int>(seeds.size());
@@ -263,7 +263,8 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
 
     const Costs costs(options);
     const auto points = source.vertices().rows();
-    const double finish = costs.refinement() + costs.dense(points);
+    double refining = costs.refinement();
+    double finish = refining + costs.dense(points);
     // Descriptors made anew, and the blend of as many cores as there may be.
     const double describing = 0.3 * costs.setting();
     const double blending = costs.cores(options.blend.cores) + costs.answers(1);
@@ -271,7 +272,6 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
     const double another = describing + costs.growth() + blending;
     const double perhaps = options.blend.attempts > 1 ? 0.4 * another : 0.0;
     double expected = costs.preparation({points, target.vertices().rows()}) + costs.search(points);
-    const double carry = costs.answers(1) + perhaps + finish;
     const double search = costs.search(points) + perhaps;
     std::vector<Surface> surfaces = working_surfaces(source, target, options, watcher);
     lap("surface", 0);
@@ -279,6 +279,10 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
     surfaces.clear();
     Pair& pair = prepared.pair;
     watch.lap();
+    // Only what is on the source is refined, and of a small part there are few samples.
+    refining *= std::min(1.0, static_cast<double>(pair.source.samples.count()) / options.hierarchy.samples);
+    finish = refining + costs.dense(points);
+    const double carry = costs.answers(1) + perhaps + finish;
 
     const PatchSettings settings{options.feature, options.seed, options.growth, options.blend, options.threads};
     double at = watcher.fraction();
@@ -346,7 +350,7 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
         at = watcher.fraction();
         const double begin = at;
         const double end = at + (1.0 - at) / static_cast<double>(answers.size() - i);
-        const double refined = end_of_part(at, end, costs.refinement(), costs.dense(points));
+        const double refined = end_of_part(at, end, refining, costs.dense(points));
         PartialMap& map = answers[i].map;
         drop_collisions(map, pair, answers[i].risk, options.growth.collision_radius);
         refine(map, pair, options.feature, options.growth, options.dense, options.threads, watcher, begin, refined);
