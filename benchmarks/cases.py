@@ -63,10 +63,8 @@ def reversed_case(case: Case, *, unknown: bool) -> Case:
     """Target to source.
 
     Where -1 in the truth (or its absence) means "unknown", every pair of vertices is turned round. Otherwise a
-    target vertex has a counterpart where it lies on the image of the source: on the source's triangles with their
-    corners at their true images, to within half of an edge of theirs, which is what flat triangles deviate from a
-    curved target. Where the nearest of that image is its boundary, a tenth of an edge is allowed: beyond it the vertex
-    lies outside. Elsewhere it has none.
+    target vertex has a counterpart where it lies on the image of the source (`covering`): on the source's triangles
+    with their corners at their true images. Elsewhere it has none.
     """
     swapped = replace(case, source=case.target, target=case.source)
     truth, faces = case.truth, case.source[1]
@@ -88,10 +86,22 @@ def reversed_case(case: Case, *, unknown: bool) -> Case:
         raise InvalidInput("the truth cannot be turned round: no source triangle has three known corners")
     corners = positions[faces[kept]]
     edge = float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).mean())
-    face, weights, distance = closest_points(vertices, positions, faces[kept])
-    tolerance = np.where(on_boundary(faces[kept], face, weights), 0.1 * edge, 0.5 * edge)
-    face = np.where(distance <= tolerance, kept[face], -1)
+    face, weights = covering(vertices, positions, faces[kept], edge)
+    face = np.where(face >= 0, kept[face], -1)
     return replace(swapped, truth=Truth(face=face, weights=weights), unmatched_is_truth=True)
+
+
+def covering(
+    points: Floats, positions: Floats, faces: npt.NDArray[np.int32], edge: float
+) -> tuple[npt.NDArray[np.int64], Floats]:
+    """The triangle (n,) over each point and the weights (n, 3) of its corners; -1 where the mesh does not cover it.
+
+    Within half of `edge`, which is what flat triangles deviate from a curved surface. Where the nearest of the mesh is
+    its boundary, a tenth is allowed: beyond it the point lies outside.
+    """
+    face, weights, distance = closest_points(points, positions, faces)
+    tolerance = np.where(_on_boundary(faces, face, weights), 0.1 * edge, 0.5 * edge)
+    return np.where(distance <= tolerance, face, -1), weights
 
 
 def _read_shape(path: Path) -> Shape:
@@ -122,7 +132,7 @@ def true_images(truth: Truth, target: Shape) -> Floats:
     return np.asarray(np.einsum("ij,ijk->ik", truth.weights, target[0][target[1][truth.face]]))
 
 
-def on_boundary(faces: npt.NDArray[np.int32], face: npt.NDArray[np.int64], weights: Floats) -> npt.NDArray[np.bool_]:
+def _on_boundary(faces: npt.NDArray[np.int32], face: npt.NDArray[np.int64], weights: Floats) -> npt.NDArray[np.bool_]:
     """Whether each point, in triangle `face` of `faces`, lies on an edge or at a corner where the surface ends."""
     edges = np.sort(faces[:, [[1, 2], [2, 0], [0, 1]]], axis=2)  # edge k lies opposite to corner k
     _, first, counts = np.unique(edges.reshape(-1, 2), axis=0, return_inverse=True, return_counts=True)

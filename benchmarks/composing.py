@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import argparse
 import csv
-import os
 from collections import defaultdict
 from itertools import permutations
 from pathlib import Path
@@ -17,12 +16,11 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from benchmarks.cases import Case, on_boundary, read_case, true_images
-from benchmarks.closest_point import closest_points
+from benchmarks.cases import Case, covering, read_case, true_images
+from benchmarks.options import COLUMNS, listed_pairs
 
 Row = dict[str, str]
 
-FIELDS = ("id", "collection", "source", "target", "gt_kind", "gt_file", "gt_bary", "gt_minus1", "category", "core")
 #: Parts of which less is on both are left out: matching them is a question of luck.
 LEAST_OVERLAP = 0.25
 
@@ -34,15 +32,14 @@ def main(arguments: list[str], root: Path) -> int:
     parser.add_argument("--most", metavar="N", type=int, default=5, help="pairs a family of shapes (default: 5)")
     parser.add_argument("--seed", metavar="N", type=int, default=0, help="of the choice among them (default: 0)")
     given = parser.parse_args(arguments)
-    data = (given.data or Path(os.environ.get("ISOGRAFT_DATA") or root.parent / "shared" / "data")).resolve()
-    with (data / "pairs.csv").open(newline="", encoding="utf-8") as file:
-        listed = list(csv.DictReader(file))
+    data, listed = listed_pairs(parser, given, root)
+    data = data.resolve()
     given.output.mkdir(parents=True, exist_ok=True)
     random = np.random.default_rng(given.seed)
     rows = numbered_alike(data, listed, given.most, random)
     rows += parts_of_one(data, listed, given.most, random, given.output.resolve())
     with (given.output / "pairs.csv").open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, FIELDS)
+        writer = csv.DictWriter(file, COLUMNS)
         writer.writeheader()
         writer.writerows(rows)
     print(f"{len(rows)} pairs in {given.output / 'pairs.csv'}; run scripts/benchmark --data {given.output} -o OUT")
@@ -100,18 +97,16 @@ def composed(first: Case, second: Case) -> npt.NDArray[np.int64]:
     kept = second.source[1][known[second.source[1]].all(axis=1)]
     places = true_images(second.truth, second.target)
     edge = float(np.linalg.norm(whole[faces] - np.roll(whole[faces], 1, axis=1), axis=2).mean())
-    face, weights, distance = closest_points(true_images(first.truth, first.target), places, kept)
-    # As where a truth is turned round: flat triangles leave a curved whole, but beyond its ends a part is not there.
-    tolerance = np.where(on_boundary(kept, face, weights), 0.1 * edge, 0.5 * edge)
+    face, weights = covering(true_images(first.truth, first.target), places, kept, edge)
     vertex = kept[face, np.argmax(weights, axis=1)]
-    return np.where(first.truth.known & (distance <= tolerance), vertex, -1).astype(np.int64)
+    return np.where(first.truth.known & (face >= 0), vertex, -1).astype(np.int64)
 
 
 def _row(data: Path, collection: str, source: str, target: str, *, kind: str) -> Row:
     name = f"{collection}_{Path(source).stem}__{Path(target).stem}"
     paths = {"source": str(data / source), "target": str(data / target)}
     told = {"id": name, "collection": collection, "gt_kind": kind, "category": "near-isometric", "core": "0"}
-    return dict.fromkeys(FIELDS, "") | paths | told
+    return dict.fromkeys(COLUMNS, "") | paths | told
 
 
 def _some(count: int, most: int, random: np.random.Generator) -> list[int]:

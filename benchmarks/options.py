@@ -18,7 +18,7 @@ PEER_LIMIT = 15_000
 
 PEERS = ("nearest", "pyfm-zoomout")
 
-_COLUMNS = ("id", "collection", "source", "target", "gt_kind", "gt_file", "gt_bary", "gt_minus1", "category", "core")
+COLUMNS = ("id", "collection", "source", "target", "gt_kind", "gt_file", "gt_bary", "gt_minus1", "category", "core")
 
 
 @dataclass(frozen=True)
@@ -116,11 +116,7 @@ def parse_options(arguments: list[str], root: Path) -> Options:
                         help="forget what DIR holds; else what this build measured is not run again")  # fmt: skip
     given = parser.parse_args(arguments)
 
-    data = given.data or Path(os.environ.get("ISOGRAFT_DATA") or root.parent / "shared" / "data")
-    listing = data / "pairs.csv"
-    if not listing.is_file():
-        parser.error(f"{listing} does not exist; name the folder with --data")
-    listed = _read(listing, parser)
+    data, listed = listed_pairs(parser, given, root)
     pairs = _choose(listed, given, parser)
     threads = given.threads
     if threads is None and given.jobs > 1:
@@ -202,13 +198,20 @@ def _count(least: int) -> Any:
     return count
 
 
-def _read(listing: Path, parser: argparse.ArgumentParser) -> list[dict[str, str]]:
+def listed_pairs(
+    parser: argparse.ArgumentParser, given: argparse.Namespace, root: Path
+) -> tuple[Path, list[dict[str, str]]]:
+    """The folder of pairs, `given.data` or the usual one, and the rows of its pairs.csv; the parser's error without."""
+    data = given.data or Path(os.environ.get("ISOGRAFT_DATA") or root.parent / "shared" / "data")
+    listing = data / "pairs.csv"
+    if not listing.is_file():
+        parser.error(f"{listing} does not exist; name the folder with --data")
     with listing.open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    missing = set(_COLUMNS) - set(rows[0] if rows else ())
+    missing = set(COLUMNS) - set(rows[0] if rows else ())
     if missing:
         parser.error(f"{listing} lacks the columns {', '.join(sorted(missing))}")
-    return [{name: row[name] or "" for name in _COLUMNS} for row in rows]
+    return data, [{name: row[name] or "" for name in COLUMNS} for row in rows]
 
 
 def _choose(

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import argparse
-import csv
 import json
 import math
 import os
@@ -14,6 +13,8 @@ import sys
 import tempfile
 from pathlib import Path
 from typing import Any
+
+from benchmarks.options import listed_pairs
 
 Row = dict[str, Any]
 
@@ -59,9 +60,8 @@ def main(arguments: list[str], root: Path) -> int:
 
 def find_pair(parser: argparse.ArgumentParser, given: argparse.Namespace, root: Path) -> tuple[Path, dict[str, str]]:
     """The folder of pairs and the row of `given.pair`; ends with the parser's error if there is none."""
-    data = given.data or Path(os.environ.get("ISOGRAFT_DATA") or root.parent / "shared" / "data")
-    with (data / "pairs.csv").open(newline="", encoding="utf-8") as file:
-        pair = next((row for row in csv.DictReader(file) if row["id"] == given.pair), None)
+    data, listed = listed_pairs(parser, given, root)
+    pair = next((row for row in listed if row["id"] == given.pair), None)
     if pair is None:
         parser.error(f"{data / 'pairs.csv'} has no pair {given.pair!r}")
     return data, pair
