@@ -14,6 +14,7 @@ from isograft import transfer
 
 from . import bridge, matching
 from .bridge import Array, MeshArrays, RefusedError
+from .job import Progress
 
 
 @dataclass(frozen=True)
@@ -75,6 +76,17 @@ class Pair:
     def geometry(self) -> tuple[Array, Array, Array, Array]:
         """Receiver's and donor's vertices and triangles."""
         return self.own.vertices, self.own.triangles, self.given.vertices, self.given.triangles
+
+    def from_face_centres(self, values: Array, progress: Progress) -> transfer.TransferredValues:
+        """What the donor's polygons carry, `values` (p', ...), for those of the receiver whose centre lies on them."""
+        return transfer.transfer_face(
+            self.correspondence,
+            *self.geometry(),
+            values,
+            receiver_polygons=self.own.polygons,
+            donor_polygons=self.given.polygons,
+            progress=progress,
+        )
 
     def whole_polygons(self, triangle_mask: Array) -> Array:
         """(p,) True for polygons all of whose triangles are."""

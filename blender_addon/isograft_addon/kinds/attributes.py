@@ -77,14 +77,7 @@ class Attributes(Kind):
 
     def _faces(self, values: Array) -> tuple[Array, Array]:
         pair = self.pair
-        moved = transfer.transfer_face(
-            pair.correspondence,
-            *pair.geometry(),
-            values,
-            receiver_polygons=pair.own.polygons,
-            donor_polygons=pair.given.polygons,
-            progress=self.step(len(self._layers)),
-        )
+        moved = pair.from_face_centres(values, self.step(len(self._layers)))
         return self._completed(fill_faces, moved.values, moved.mask)
 
     def _on_edges(self, values: Array) -> tuple[Array, Array]:

@@ -5,7 +5,6 @@ from typing import Any
 
 import bpy
 import numpy as np
-from isograft import transfer
 
 from .. import bridge
 from ..bridge import Array, RefusedError
@@ -48,14 +47,7 @@ class FaceSets(Kind):
     def compute(self) -> None:
         """The set of the donor's face under each face's centre."""
         pair = self.pair
-        moved = transfer.transfer_face(
-            pair.correspondence,
-            *pair.geometry(),
-            self.gift,
-            receiver_polygons=pair.own.polygons,
-            donor_polygons=pair.given.polygons,
-            progress=self.step(),
-        )
+        moved = pair.from_face_centres(self.gift, self.step())
         self._sets = np.where(moved.mask, moved.values, self._sets)
         if self.settings.fill:
             self._sets, _, self.filled = fill_faces(pair, self._sets, moved.mask, self.hold)

@@ -5,7 +5,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from isograft import transfer
 
 from .. import bridge
 from ..bridge import Array, RefusedError
@@ -61,14 +60,7 @@ class Slots:
         the vertices (n,) that were filled.
         """
         pair = self.pair
-        moved = transfer.transfer_face(
-            pair.correspondence,
-            *pair.geometry(),
-            self.given,
-            receiver_polygons=pair.own.polygons,
-            donor_polygons=pair.given.polygons,
-            progress=progress,
-        )
+        moved = pair.from_face_centres(self.given, progress)
         slots, known = np.clip(moved.values, 0, len(self.materials) - 1), polygons & moved.mask
         filled = np.zeros(len(pair.own.vertices), dtype=bool)
         if fill:
