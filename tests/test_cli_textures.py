@@ -219,7 +219,6 @@ def test_the_image_of_a_ply_is_found_and_named(folder: Path, capsys: Any) -> Non
 
 REFUSALS = [
     (["map_Pr lost.png"], "line 2: map_Pr of the material skin names the image lost.png, which is not there; put it"),
-    (["map_Kd skin.<UDIM>.png"], "names UDIM tiles (skin.<UDIM>.png), which are baked in Blender only"),
     (["map_Kd -mm 0.1 1 color.png"], "changes its image with -mm; work that into the image first"),
     (["map_Kd -o here color.png"], "-o is followed by here, not by numbers"),
     (["map_Kd -clamp on"], "map_Kd of the material skin names no image"),

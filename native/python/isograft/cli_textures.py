@@ -15,6 +15,7 @@ from isograft.files import MeshFile
 from isograft.formats.images import check_image_output, read_image
 from isograft.formats.materials import Material, read_mtl, write_mtl
 from isograft.formats.ply_header import texture_files
+from isograft.formats.tiles import has_tiles, is_tiled
 from isograft.grafting_textures import Textures, material_textures, one_texture, used_materials
 from isograft.names import Names
 
@@ -29,7 +30,7 @@ def add_texture_options(parser: argparse.ArgumentParser) -> None:
         "(map_Kd, map_Ka, map_Ks, map_Ke), shininess, opacity, roughness, metallic, sheen, clearcoat (map_Ns, map_d, "
         "map_Pr, map_Pm, map_Ps, map_Pc, map_Pcr), normal maps (norm, and map_Bump if it is coloured), heights "
         "(map_Bump if it is grey, disp). An .obj gets an .mtl beside it that shows them. A .ply names one image, the "
-        "colour (comment TextureFile).",
+        "colour (comment TextureFile). <UDIM> in a name stands for the numbers of tiles.",
     )
     group.add_argument("--texture", metavar="IMAGE", help="bake this one only, as the colour of all of the donor")
     group.add_argument(
@@ -56,14 +57,15 @@ def open_textures(arguments: argparse.Namespace, what: set[str], source: MeshFil
         raise BadInput(f"{_output(arguments)}: there is no folder {folder}")
     check_image_output(_output(arguments))
     single = Path(arguments.texture) if arguments.texture else _image_of_ply(target)
+    opened: dict[Path, Any] = {}
     if single is not None:
-        textures = one_texture(target, _open_image(single))
+        textures = one_texture(target, single, _once(_open_image, opened))
         read = {single}
     else:
         library = _library(target)
-        textures = material_textures(target, library, _once(_open_image))
+        textures = material_textures(target, library, _once(_open_image, opened))
         read = {texture.path for material in library.values() for texture in material.textures.values()}
-    read |= {path for mesh in (source, target) for path in libraries_of(mesh)}
+    read |= {*opened} | {path for mesh in (source, target) for path in libraries_of(mesh)}
     written = [Path(path) for path in image_outputs(arguments, textures).values()]
     if _is_obj(arguments.output):
         written.append(Path(arguments.output).with_suffix(".mtl"))
@@ -129,7 +131,7 @@ def _image_of_ply(donor: MeshFile) -> Path | None:
         found = f"names {len(names)} images" if names else "names no image"
         raise BadInput(f"{path}: the donor {found} (comment TextureFile); give --texture")
     image = path.parent / names[0]
-    if not image.is_file():
+    if not (has_tiles(image) if is_tiled(image) else image.is_file()):
         raise BadInput(
             f"{path}: the donor names the image {names[0]} (comment TextureFile), which is not there; put it there, or "
             "give --texture"
@@ -161,9 +163,8 @@ def _is_obj(path: str | Path) -> bool:
     return Path(path).suffix.lower() == ".obj"
 
 
-def _once(read: Callable[[Path], Any]) -> Callable[[Path], Any]:
+def _once(read: Callable[[Path], Any], seen: dict[Path, Any]) -> Callable[[Path], Any]:
     """Several channels may take what they need of one image."""
-    seen: dict[Path, Any] = {}
 
     def read_once(path: Path) -> Any:
         if path not in seen:

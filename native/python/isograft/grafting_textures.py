@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -15,6 +15,8 @@ from isograft.errors import InvalidInput
 from isograft.formats.layers import MATERIAL
 from isograft.formats.materials import Material, Numbers, Texture
 from isograft.formats.mesh import MeshFile
+from isograft.formats.tiles import is_tiled
+from isograft.grafting_tiles import read_tiles, tiles_of
 from isograft.transfer import Channel
 from isograft.transfer.arrays import Array
 
@@ -67,22 +69,42 @@ class TextureChannel:
         return _SHOWN[self.keyword].word
 
 
+class _Painted(NamedTuple):
+    """A channel whose images are by material, and by tile where they have some."""
+
+    keyword: str
+    #: Per material, the last one that of faces without, by the tile's number; 0 for images without tiles.
+    images: list[dict[int, Any]]
+    #: (G,) the tile that every triangle is read in, 0 where its image has none.
+    tiles: Array
+    kind: Literal["color", "normal"]
+    uv: Array
+    strength: float
+    is_clamped: bool
+
+
 @dataclass(eq=False)
 class Textures:
     """What a donor has to bake."""
 
     channels: list[TextureChannel]
-    #: (G,) index into the images of every channel.
+    #: (G,) index into the images of every channel: a material, or one tile of it.
     triangle_materials: Array
     #: Of the new material, whose images need none: those of the first material that is used.
     numbers: dict[str, Numbers] = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
 
 
-def one_texture(donor: MeshFile, image: Array) -> Textures:
-    """A single image, the colour of all of the donor."""
-    channel = TextureChannel("map_Kd", Channel(image))
-    return Textures([channel], np.zeros(len(donor.faces), np.int32), {"Kd": (1.0, 1.0, 1.0)})
+def one_texture(donor: MeshFile, path: Path, read: Callable[[Path], Array]) -> Textures:
+    """A single image, or its tiles, the colour of all of the donor.
+
+    Raises:
+        InvalidInput: a tile is missing.
+    """
+    material = Material({"Kd": (1.0, 1.0, 1.0)}, {"map_Kd": Texture(path)})
+    result = Textures([], np.zeros(len(donor.faces), np.int32), dict(material.numbers))
+    _spread(result, [_painted(donor, [""], [material], result.triangle_materials, "map_Kd", read, result.warnings)])
+    return result
 
 
 def used_materials(donor: MeshFile) -> set[str] | None:
@@ -97,8 +119,8 @@ def material_textures(donor: MeshFile, library: dict[str, Material], read: Calla
     `read` opens an image: (height, width, components), uint8 or float32.
 
     Raises:
-        InvalidInput: the donor's faces have no material or one that `library` lacks, no material has an image, or they
-            cannot be baked together; names the donor.
+        InvalidInput: the donor's faces have no material or one that `library` lacks, no material has an image, a tile
+            is missing, or they cannot be baked together; names the donor.
     """
     names, of_polygon = _used(donor, library)
     materials = [library[name] for name in names]
@@ -110,14 +132,27 @@ def material_textures(donor: MeshFile, library: dict[str, Material], read: Calla
         if material.left_out:
             text = f"{', '.join(material.left_out)} of the material {name} cannot be baked and is left out"
             result.warnings.append(f"{donor.path}: {text}")
+    painted = []
     for keyword, shown in _SHOWN.items():
         if any(keyword in material.textures for material in materials) or _differ(materials, shown):
-            result.channels.append(
-                _channel(donor, names, materials, triangle_materials, keyword, read, result.warnings)
-            )
+            painted.append(_painted(donor, names, materials, triangle_materials, keyword, read, result.warnings))
             if shown.number:
                 result.numbers[shown.number] = (1.0,) * len(shown.default)
+    _spread(result, painted)
     return result
+
+
+def _spread(textures: Textures, painted: list[_Painted]) -> None:
+    """Make a material of its own of every tile, so that every channel has one image per material."""
+    keys = np.column_stack([textures.triangle_materials, *(item.tiles for item in painted)])
+    rows, index = np.unique(keys, axis=0, return_inverse=True)
+    textures.triangle_materials = index.reshape(-1).astype(np.int32)
+    for k, item in enumerate(painted, 1):
+        images = [item.images[row[0]].get(row[k]) for row in rows.tolist()]
+        has_tiles = bool((item.tiles != 0).any())
+        extension: Literal["repeat", "extend"] = "extend" if item.is_clamped and not has_tiles else "repeat"
+        channel = Channel(images, kind=item.kind, uv=item.uv, extension=extension)
+        textures.channels.append(TextureChannel(item.keyword, channel, item.strength, item.is_clamped))
 
 
 def _used(donor: MeshFile, library: dict[str, Material]) -> tuple[list[str], Array]:
@@ -152,7 +187,7 @@ def _differ(materials: Sequence[Material], shown: _Shown) -> bool:
     return bool(shown.number) and len({m.numbers.get(shown.number, shown.default) for m in materials}) > 1
 
 
-def _channel(
+def _painted(
     donor: MeshFile,
     names: list[str],
     materials: list[Material],
@@ -160,44 +195,69 @@ def _channel(
     keyword: str,
     read: Callable[[Path], Array],
     warnings: list[str],
-) -> TextureChannel:
+) -> _Painted:
     textures = {i: m.textures[keyword] for i, m in enumerate(materials) if keyword in m.textures}
-    pixels = {i: read(texture.path) for i, texture in textures.items()}
-    shown, kind = _SHOWN[keyword], _SHOWN[keyword].kind or _kind_of_bump(donor, list(pixels.values()))
+    uv, tiles, pixels = _read(donor, names, textures, triangle_materials, keyword, read, warnings)
+    every = [image for read_in in pixels.values() for image in read_in.values()]
+    shown, kind = _SHOWN[keyword], _SHOWN[keyword].kind or _kind_of_bump(donor, every)
     if len({(t.is_clamped, t.strength) for t in textures.values()}) > 1:
         warnings.append(f"{donor.path}: the materials differ in how {keyword} shows its image; the first is followed")
-    whole = {i: _components(pixels[i], texture, keyword, kind) for i, texture in textures.items()}
-    width = {"value": 1, "normal": 3}.get(kind) or max((array.shape[2] for array in whole.values()), default=3)
-    in_bytes = all(array.dtype == np.uint8 for array in whole.values())
-    # The last one is that of faces without a material.
-    images: list[Any] = [None] * (len(materials) + 1)
-    uv = donor.triangle_uvs
-    assert uv is not None
+    whole = {
+        i: {number: _components(image, texture, keyword, kind) for number, image in pixels[i].items()}
+        for i, texture in textures.items()
+    }
+    every = [image for images in whole.values() for image in images.values()]
+    width = {"value": 1, "normal": 3}.get(kind) or max((image.shape[2] for image in every), default=3)
+    in_bytes = all(image.dtype == np.uint8 for image in every)
+    images: list[dict[int, Any]] = [{} for _ in range(len(materials) + 1)]
     for i, material in enumerate(materials):
-        if i not in textures:
-            default = (0.5, 0.5, 1.0) if kind == "normal" else shown.default
-            number = material.numbers.get(shown.number, default) if shown.number else default
-            if not all(0.0 <= value <= 1.0 for value in number):
-                text = f"{shown.number} of the material {names[i]} is not between 0 and 1, and is painted as if it were"
-                warnings.append(f"{donor.path}: {text}")
-            images[i] = _constant(np.resize(number, 3 if kind == "color" else width), kind, width, in_bytes)
+        if i in textures:
+            images[i] = {number: _widened(image, width, in_bytes) for number, image in whole[i].items()}
+            if kind == "normal" and min(textures[i].scale) <= 0.0:
+                raise InvalidInput(
+                    f"{donor.path}: {keyword} of the material {names[i]} is mirrored by -s, and its tangents are not; "
+                    "mirror the texture coordinates themselves"
+                )
             continue
-        images[i] = _widened(whole[i], width, in_bytes)
-        texture = textures[i]
-        if kind == "normal" and min(texture.scale) <= 0.0:
-            raise InvalidInput(
-                f"{donor.path}: {keyword} of the material {names[i]} is mirrored by -s, and its tangents are not; "
-                "mirror the texture coordinates themselves"
-            )
-        if (texture.scale, texture.offset) != ((1.0, 1.0), (0.0, 0.0)):
-            mine = (triangle_materials == i)[:, None, None]
-            uv = np.where(mine, uv * texture.scale + np.array(texture.offset), uv)
+        default = (0.5, 0.5, 1.0) if kind == "normal" else shown.default
+        number = material.numbers.get(shown.number, default) if shown.number else default
+        if not all(0.0 <= value <= 1.0 for value in number):
+            text = f"{shown.number} of the material {names[i]} is not between 0 and 1, and is painted as if it were"
+            warnings.append(f"{donor.path}: {text}")
+        images[i] = {0: _constant(np.resize(number, 3 if kind == "color" else width), kind, width, in_bytes)}
     first = next(iter(textures.values()), None)
     is_clamped, strength = (False, 1.0) if first is None else (first.is_clamped, first.strength)
-    channel = Channel(
-        images, kind="normal" if kind == "normal" else "color", uv=uv, extension="extend" if is_clamped else "repeat"
-    )
-    return TextureChannel(keyword, channel, strength, is_clamped)
+    return _Painted(keyword, images, tiles, "normal" if kind == "normal" else "color", uv, strength, is_clamped)
+
+
+def _read(
+    donor: MeshFile,
+    names: list[str],
+    textures: dict[int, Texture],
+    triangle_materials: Array,
+    keyword: str,
+    read: Callable[[Path], Array],
+    warnings: list[str],
+) -> tuple[Array, Array, dict[int, dict[int, Array]]]:
+    """The UVs (G, 3, 2) that place the images, the tile of every triangle, and the images as of _Painted."""
+    assert donor.triangle_uvs is not None
+    uv, tiles = donor.triangle_uvs, np.zeros(len(triangle_materials), np.int64)
+    pixels: dict[int, dict[int, Array]] = {}
+    for i, texture in textures.items():
+        mine = triangle_materials == i
+        if (texture.scale, texture.offset) != ((1.0, 1.0), (0.0, 0.0)):
+            uv = np.where(mine[:, None, None], uv * texture.scale + np.array(texture.offset), uv)
+        if not is_tiled(texture.path):
+            pixels[i] = {0: read(texture.path)}
+            continue
+        where = f"{donor.path}: {keyword} of the material {names[i]}" if names[i] else f"{donor.path}: its image"
+        numbers, across = tiles_of(uv, donor.triangle_polygon, mine)
+        pixels[i] = read_tiles(texture.path, numbers, where, read)
+        tiles = np.where(mine, numbers, tiles)
+        if across:
+            text = f"{across:,} faces reach from one UDIM tile into another; each is read in that of its middle"
+            warnings.append(f"{where}: {text}")
+    return uv, tiles, pixels
 
 
 def _kind_of_bump(donor: MeshFile, images: list[Array]) -> str:

@@ -13,6 +13,7 @@ from pathlib import Path
 
 from isograft.errors import InvalidInput
 from isograft.formats.atomic import replacing
+from isograft.formats.tiles import has_tiles, is_tiled
 
 PathLike = str | os.PathLike[str]
 Numbers = tuple[float, ...]
@@ -24,13 +25,13 @@ _KEYWORDS = {name.lower(): name for name in IMAGES} | {"bump": "map_Bump", "map_
 #: How many numbers or words may follow an option of an image.
 _OPTIONS = {"-blendu": 1, "-blendv": 1, "-boost": 1, "-cc": 1, "-mm": 2, "-o": 3, "-s": 3, "-t": 3, "-texres": 1,
             "-clamp": 1, "-bm": 1, "-imfchan": 1, "-type": 1}  # fmt: skip
-_TILES = ("<udim>", "<uvtile>")
 
 
 @dataclass(frozen=True)
 class Texture:
     """An image and how it is shown: looked up at `scale` times the texture coordinates plus `offset`."""
 
+    #: Of UDIM tiles the name that stands for all of them; see formats/tiles.py.
     path: Path
     scale: tuple[float, float] = (1.0, 1.0)
     offset: tuple[float, float] = (0.0, 0.0)
@@ -57,7 +58,7 @@ def read_mtl(path: PathLike, names: Container[str] | None = None) -> dict[str, M
     Of materials that are not among `names` nothing but the name is read; None: all are.
 
     Raises:
-        InvalidInput: naming the line; an image that is missing, made of tiles, or shown in a way that cannot be baked.
+        InvalidInput: naming the line; an image that is missing or shown in a way that cannot be baked.
         OSError: the library cannot be opened.
     """
     materials: dict[str, Material] = {}
@@ -104,15 +105,11 @@ def _numbers(text: str) -> Numbers | None:
 
 def _texture(where: str, text: str, library: PathLike) -> Texture:
     options, name = _options(where, text)
-    if any(tile in name.lower() for tile in _TILES):
-        raise InvalidInput(
-            f"{where} names UDIM tiles ({name}), which are baked in Blender only; put them into one image"
-        )
     path = Path(library).parent / name
-    if not path.is_file():
+    if not _is_there(path):
         # As other systems write it.
         path = Path(library).parent / name.replace("\\", "/")
-    if not path.is_file():
+    if not _is_there(path):
         raise InvalidInput(f"{where} names the image {name}, which is not there; put it there, or remove the line")
     for option, plain in (("-mm", [0.0, 1.0]), ("-t", [0.0, 0.0, 0.0])):
         values = _of_option(where, options, option, plain)
@@ -131,6 +128,10 @@ def _texture(where: str, text: str, library: PathLike) -> Texture:
         component,
         _of_option(where, options, "-bm", [1.0])[0],
     )
+
+
+def _is_there(path: Path) -> bool:
+    return has_tiles(path) if is_tiled(path) else path.is_file()
 
 
 def _options(where: str, text: str) -> tuple[dict[str, list[str]], str]:
