@@ -12,8 +12,8 @@ namespace isograft {
 /// is known stays as it is.
 ///
 /// Connected parts without any known vertex, and vertices of no triangle, keep the values they came with.
-/// One sparse Cholesky factorisation of the unknown vertices for all columns (near O(n log n) for bands and small
-/// holes, O(n^1.5) for a large one); it cannot be cancelled half way.
+/// One sparse Cholesky factorisation of the unknown vertices for all columns: near O(n log n) for bands and small
+/// holes, O(n^1.5) for a large one.
 /// \param values #V by k, finite where `known`. \param known #V. \param monitor may be null.
 /// \return values, and in the mask which vertices were filled.
 /// \throw InvalidInput on sizes, indices or values that do not fit; Cancelled.

@@ -7,11 +7,12 @@
 #include <vector>
 
 #include <Eigen/Geometry>
-#include <Eigen/SparseCholesky>
 
+#include "base/piece.h"
 #include "base/rotation.h"
 #include "isograft/errors.h"
 #include "transfer/checks.h"
+#include "transfer/cholesky.h"
 #include "transfer/laplacian.h"
 #include "transfer/seams.h"
 #include "transfer/vertex_graph.h"
@@ -23,8 +24,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-using Solver = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>;
-
+constexpr int vertices_a_check = 1024;
 // Positions that move less than this share of the shape's size in a round have settled.
 constexpr double settled = 1e-6;
 
@@ -44,10 +44,10 @@ void check(const Points& vertices, const Triangles& faces, const CornerValues& v
     }
 }
 
-void factorise(Solver& solver, const Eigen::SparseMatrix<double>& matrix) {
-    solver.compute(matrix);
-    if (solver.info() != Eigen::Success)
-        throw InvalidInput("the mesh is too degenerate to fill: remove zero-area faces");
+Cholesky factorise(const Eigen::SparseMatrix<double>& matrix, Piece piece) {
+    Cholesky factor{RowMatrix(matrix), piece};
+    if (!factor.usable()) throw InvalidInput("the mesh is too degenerate to fill: remove zero-area faces");
+    return factor;
 }
 
 // What every known vertex has, 0 elsewhere.
@@ -60,25 +60,21 @@ Eigen::MatrixXd known_values(const CornerValues& values, const Mask& known) {
 }
 
 void fill_unknowns(const Eigen::SparseMatrix<double>& energy, const Unknowns& unknowns, const Mask& known,
-                   CornerValues& values, Monitor& monitor) {
-    Solver solver;
-    monitor.check();
-    factorise(solver, unknowns.block(energy));
-    monitor.report("fill", 0.8);
+                   CornerValues& values, Piece piece) {
+    const Cholesky factor = factorise(unknowns.block(energy), piece.until(0.9));
     const Eigen::MatrixXd pull = energy * known_values(values, known);
-    Eigen::MatrixXd right(unknowns.count(), values.cols());
+    CornerValues right(unknowns.count(), values.cols());
     for (Eigen::Index i = 0; i < unknowns.count(); ++i) right.row(i) = -pull.row(unknowns.vertex[i]);
-    for (Eigen::Index k = 0; k < values.cols(); ++k) {
-        monitor.check();
-        const Eigen::VectorXd solved = solver.solve(right.col(k));
-        for (Eigen::Index i = 0; i < unknowns.count(); ++i) values(unknowns.vertex[i], k) = solved[i];
-    }
+    piece.check();
+    const CornerValues solved = factor.solve(right, piece.monitor());
+    for (Eigen::Index i = 0; i < unknowns.count(); ++i) values.row(unknowns.vertex[i]) = solved.row(i);
 }
 
-Eigen::SparseMatrix<double> bilaplacian(const Points& vertices, const Triangles& faces) {
-    const Eigen::SparseMatrix<double> first = laplacian(vertices, faces);
-    const Eigen::VectorXd areas = vertex_areas(vertices, faces);
-    return first * areas.cwiseInverse().asDiagonal() * first;
+Eigen::SparseMatrix<double> bilaplacian(const Points& vertices, const Triangles& faces, Monitor& monitor) {
+    const RowMatrix first(laplacian(vertices, faces));
+    monitor.check();
+    const RowMatrix even = vertex_areas(vertices, faces).cwiseInverse().asDiagonal() * first;
+    return Eigen::SparseMatrix<double>(multiply(first, even, monitor));
 }
 
 // One fit of rotations to the edges around every vertex, and the right-hand side that they ask for.
@@ -88,9 +84,18 @@ class RigidEnergy {
 
     [[nodiscard]] const Eigen::SparseMatrix<double>& matrix() const { return matrix_; }
 
-    [[nodiscard]] std::vector<Matrix3d> rotations(const CornerValues& placed) const {
+    // Of the unknown vertices and their neighbours; the others are not asked for.
+    [[nodiscard]] std::vector<Matrix3d> rotations(const CornerValues& placed, const Unknowns& unknowns,
+                                                  Monitor& monitor) const {
         std::vector<Matrix3d> rotation(rest_.rows(), Matrix3d::Identity());
+        std::vector<char> is_asked(rest_.rows(), 0);
+        for (const int v : unknowns.vertex) {
+            is_asked[v] = 1;
+            each(v, [&](int other, double) { is_asked[other] = 1; });
+        }
         for (int v = 0; v < rest_.rows(); ++v) {
+            if (v % vertices_a_check == 0) monitor.check();
+            if (is_asked[v] == 0) continue;
             Matrix3d product = Matrix3d::Zero();
             each(v, [&](int other, double weight) {
                 product += weight * (rest_.row(v) - rest_.row(other)).transpose() * (placed.row(v) - placed.row(other));
@@ -130,7 +135,9 @@ TransferredValues fill_smooth(const Points& vertices, const Triangles& faces, co
     watched.report("fill", 0.0);
     const Unknowns unknowns(faces, known);
     TransferredValues filled{values, unknowns.mask()};
-    if (unknowns.count() > 0) fill_unknowns(bilaplacian(vertices, faces), unknowns, known, filled.values, watched);
+    if (unknowns.count() > 0) {
+        fill_unknowns(bilaplacian(vertices, faces, watched), unknowns, known, filled.values, Piece(watched, 1.0));
+    }
     watched.report("fill", 1.0);
     return filled;
 }
@@ -179,25 +186,23 @@ TransferredValues complete_rigid(const Points& rest, const Triangles& faces, con
 
     // A start that is smooth: displacements, so that a shape moved as a whole is met at once.
     CornerValues moved = placed - sized;
-    Monitor quiet;
-    fill_unknowns(bilaplacian(sized, faces), unknowns, known, moved, quiet);
-    watched.report("complete", 0.3);
+    fill_unknowns(bilaplacian(sized, faces, watched), unknowns, known, moved, Piece(watched, 0.4));
+    watched.report("complete", 0.4);
     for (const int v : unknowns.vertex) result.values.row(v) = sized.row(v) + moved.row(v);
 
     const RigidEnergy energy(sized, faces);
-    Solver solver;
-    factorise(solver, unknowns.block(energy.matrix()));
+    const Cholesky factor = factorise(unknowns.block(energy.matrix()), Piece(watched, 0.1));
     const Eigen::MatrixXd pull = energy.matrix() * known_values(result.values, known);
     const double size = (sized.colwise().maxCoeff() - sized.colwise().minCoeff()).norm();
-    Eigen::MatrixXd right(unknowns.count(), 3);
+    CornerValues right(unknowns.count(), 3);
     for (int round = 0; round < options.iterations; ++round) {
-        watched.report("complete", 0.3 + 0.7 * round / options.iterations);
-        const std::vector<Matrix3d> rotation = energy.rotations(result.values);
+        watched.report("complete", 0.5 + 0.5 * round / options.iterations);
+        const std::vector<Matrix3d> rotation = energy.rotations(result.values, unknowns, watched);
         for (Eigen::Index i = 0; i < unknowns.count(); ++i) {
             const int v = unknowns.vertex[i];
             right.row(i) = energy.wanted(v, rotation).transpose() - pull.row(v);
         }
-        const Eigen::MatrixXd solved = solver.solve(right);
+        const CornerValues solved = factor.solve(right, watched);
         double farthest = 0.0;
         for (Eigen::Index i = 0; i < unknowns.count(); ++i) {
             const int v = unknowns.vertex[i];

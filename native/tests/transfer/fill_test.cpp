@@ -103,4 +103,27 @@ TEST(CompleteRigid, RefusesAndStops) {
     EXPECT_THROW(fill_smooth(rest.vertices, rest.faces, rest.vertices, known, &monitor), Cancelled);
 }
 
+TEST(FillSmooth, TellsHowFarItIsAndStopsInTheMiddleOfItsFactorisation) {
+    const shapes::Shape shape = shapes::blob(6);
+    const Mask known = shape.vertices.col(2).array() > 0.8;
+    EXPECT_GT((!known).count(), 30000);
+    std::vector<double> told;
+    // A second of work; the callback is asked every tenth of one.
+    Monitor refusing([&](const std::string&, double fraction) {
+        told.push_back(fraction);
+        return fraction < 0.1;
+    });
+    EXPECT_THROW(fill_smooth(shape.vertices, shape.faces, shape.vertices, known, &refusing), Cancelled);
+    EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
+    EXPECT_LT(told.back(), 0.5);
+    told.clear();
+    // The start of the rigid completion is such a factorisation.
+    Monitor other([&](const std::string&, double fraction) {
+        told.push_back(fraction);
+        return fraction < 0.04;
+    });
+    EXPECT_THROW(complete_rigid(shape.vertices, shape.faces, shape.vertices, known, 1.0, {}, &other), Cancelled);
+    EXPECT_LT(told.back(), 0.2);
+}
+
 }  // namespace isograft
