@@ -16,8 +16,7 @@ endif()
 
 add_library(isograft_testing INTERFACE)
 target_include_directories(isograft_testing INTERFACE native/src native/tests)
-target_link_libraries(isograft_testing INTERFACE
-    isograft_core isograft_flags Ceres::ceres nanoflann::nanoflann)
+target_link_libraries(isograft_testing INTERFACE isograft_core isograft_flags nanoflann::nanoflann)
 if(support_sources)
     add_library(isograft_shapes STATIC ${support_sources})
     target_link_libraries(isograft_shapes PRIVATE isograft_testing $<$<BOOL:${ISOGRAFT_TESTS}>:GTest::gtest>)
@@ -27,7 +26,7 @@ endif()
 if(ISOGRAFT_TESTS AND test_sources)
     enable_testing()
     add_executable(isograft_tests ${test_sources})
-    target_link_libraries(isograft_tests PRIVATE isograft_testing GTest::gmock GTest::gtest_main)
+    target_link_libraries(isograft_tests PRIVATE isograft_testing Ceres::ceres GTest::gmock GTest::gtest_main)
     add_test(NAME isograft_tests COMMAND isograft_tests)
 endif()
 

@@ -4,14 +4,12 @@
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 venv=$root/.venv
-ceres=$root/.deps/ceres
 jobs=$(nproc)
 export PIP_DISABLE_PIP_VERSION_CHECK=1 PIP_NO_INPUT=1 PIP_ROOT_USER_ACTION=ignore
 
-ceres_version=2.1.0+really2.1.0+dfsg-1
 apt_packages=(
-    g++ cmake ninja-build git dpkg-dev xz-utils
-    libeigen3-dev libnanoflann-dev libgtest-dev libgmock-dev libbenchmark-dev
+    g++ cmake ninja-build git
+    libeigen3-dev libnanoflann-dev libgtest-dev libgmock-dev libbenchmark-dev libceres-dev
     python3 python3-venv python3-dev
     blender python3-numpy xvfb xauth libgl1-mesa-dri libegl1
 )
@@ -85,43 +83,6 @@ ensure_venv() {
     locked "$venv/bin/python" -m pip install --quiet 'pip>=25.1'
     (cd "$root" && locked "$venv/bin/python" -m pip install --quiet --group dev)
     printf '%s\n' "$want" >"$venv/.isograft-tools"
-}
-
-# Debian's source package of Ceres into .deps/src, with apt's signature check but without touching its settings.
-fetch_ceres() {
-    local src=$root/.deps/src lists=$root/.deps/apt sources=/etc/apt/sources.list.d/debian.sources
-    mkdir -p "$src" "$lists/lists/partial"
-    if [[ -r $sources ]]; then
-        sed 's/^Types:.*/Types: deb-src/' "$sources" >"$lists/source.sources"
-    else
-        sources=/etc/apt/sources.list
-        sed -n 's/^deb /deb-src /p' "$sources" >"$lists/source.list"
-    fi
-    local options=(-o "Dir::Etc::SourceList=/dev/null" -o "Dir::Etc::SourceParts=$lists"
-        -o "Dir::State::Lists=$lists/lists" -o "Dir::Cache=$lists" -o "APT::Sandbox::User=" -o "Debug::NoLocking=1")
-    apt-get "${options[@]}" -qq update >&2
-    (cd "$src" && apt-get "${options[@]}" -qq source --download-only "ceres-solver=$ceres_version" >&2)
-    rm -rf "$src/ceres-src"
-    dpkg-source -x --no-check "$src/ceres-solver_$ceres_version.dsc" "$src/ceres-src" >/dev/null
-}
-
-# The least-squares library, minimal and static: no SuiteSparse, LAPACK, glog or gflags.
-ensure_ceres() {
-    [[ -f $ceres/lib/cmake/Ceres/CeresConfig.cmake && -f $ceres/lib/libceres.a ]] && return
-    say "building Ceres once into .deps/ceres (about 7 minutes on two cores)"
-    local src=$root/.deps/src option off=()
-    [[ -f $src/ceres-src/CMakeLists.txt ]] || fetch_ceres
-    for option in GFLAGS SUITESPARSE CXSPARSE LAPACK ACCELERATESPARSE CUDA SCHUR_SPECIALIZATIONS BUILD_SHARED_LIBS \
-        BUILD_TESTING BUILD_EXAMPLES BUILD_BENCHMARKS BUILD_DOCUMENTATION EXPORT_BUILD_DIR; do
-        off+=("-D$option=OFF")
-    done
-    cmake -S "$src/ceres-src" -B "$src/ceres-build" -G Ninja -Wno-dev -DCMAKE_BUILD_TYPE=Release "${off[@]}" \
-        -DMINIGLOG=ON -DMINIGLOG_MAX_LOG_LEVEL=-1 -DEIGENSPARSE=ON -DCMAKE_POSITION_INDEPENDENT_CODE=ON \
-        -DCMAKE_CXX_VISIBILITY_PRESET=hidden -DCMAKE_VISIBILITY_INLINES_HIDDEN=ON \
-        -DCMAKE_INSTALL_PREFIX="$ceres" >"$src/ceres.log"
-    cmake --build "$src/ceres-build" -j "$jobs" >>"$src/ceres.log" || die "Ceres did not build: see .deps/src/ceres.log"
-    cmake --install "$src/ceres-build" >>"$src/ceres.log"
-    rm -rf "$src/ceres-build"
 }
 
 # build PRESET [TARGET...]: configures where that was never done (ninja does it again when a CMake file changes).

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The compiled module as other programs meet it: what it exports, what it needs, what importing it pulls in.
 
-Newer Blenders load a Ceres, an Eigen user and a TBB of their own. Our copies must neither be found by them nor be
+Newer Blenders load Eigen users and a TBB of their own. Our copies must neither be found by them nor be
 replaced by theirs.
 """
 
