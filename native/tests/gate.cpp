@@ -66,8 +66,7 @@ void expect_indexed_by_input(const Surface& surface) {
     ASSERT_EQ(working.size(), static_cast<std::size_t>(surface.vertices().rows()));
     for (int f = 0; f < mesh.face_count(); ++f) {
         for (int k = 0; k < 3; ++k) {
-            const int corner = mesh.input_reversed[f] ? (3 - k) % 3 : k;
-            const int v = surface.faces()(mesh.input_face[f], corner);
+            const int v = surface.faces()(mesh.input_face[f], mesh.input_corner(f, k));
             EXPECT_EQ(mesh.position[mesh.face[f][k]], surface.vertices().row(v).transpose());
             ASSERT_GE(working[v], 0);
             EXPECT_EQ(mesh.position[working[v]], surface.vertices().row(v).transpose());

@@ -150,7 +150,8 @@ void write_row(Correspondence& c, Eigen::Index row, const VertexImage& image, co
     const TriangleMesh& mesh = target.fine();
     const Surface& surface = target.surface;
     const int input = mesh.input_face[point.face];
-    if (mesh.input_reversed[point.face]) std::swap(point.weight[1], point.weight[2]);
+    const auto weight = point.weight;
+    for (int k = 0; k < 3; ++k) point.weight[mesh.input_corner(point.face, k)] = weight[k];
     c.face[row] = input;
     Eigen::RowVector3d x = Eigen::RowVector3d::Zero();
     int largest = 0;

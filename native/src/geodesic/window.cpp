@@ -199,8 +199,7 @@ Eigen::VectorXd geodesic_distances(const Surface& surface, int face, const Eigen
     }
     SurfacePoint centre;
     centre.face = static_cast<int>(found - mesh.input_face.begin());
-    const bool reversed = mesh.input_reversed[centre.face] != 0;
-    centre.weight = {barycentric[0], barycentric[reversed ? 2 : 1], barycentric[reversed ? 1 : 2]};
+    for (int k = 0; k < 3; ++k) centre.weight[k] = barycentric[mesh.input_corner(centre.face, k)];
     Window window(mesh);
     constexpr double infinity = std::numeric_limits<double>::infinity();
     window.run(point_at(mesh, centre.face, planar(mesh, centre)), radius);

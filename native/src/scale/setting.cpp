@@ -184,9 +184,9 @@ PreparedPair prepare_pair(const Surface& source, const Surface& target, const Ma
     std::vector<Surface> surfaces{source, target};
     // Turning both over changes nothing, so one is enough.
     if (source.orientation_is_ambiguous()) {
-        surfaces.push_back(source.with_open_parts_reversed(&monitor));
+        surfaces.push_back(source.with_open_parts_reversed(&monitor).in_own_frame(monitor));
     } else if (target.orientation_is_ambiguous()) {
-        surfaces.push_back(target.with_open_parts_reversed(&monitor));
+        surfaces.push_back(target.with_open_parts_reversed(&monitor).in_own_frame(monitor));
     }
     const Costs costs(options);
     const bool automatic = options.scale.mode == ScaleMode::automatic;

@@ -271,7 +271,7 @@ Soup clean(const Points& vertices, const Triangles& faces, Piece progress) {
     }
     warn(soup.warnings, welded, "vertex was welded to another at the same place, where the surface was in pieces.",
          "vertices were welded to others at the same place, where the surface was in pieces.");
-    soup.input_reversed.assign(soup.face.size(), 0);
+    soup.input_order.assign(soup.face.size(), 0);
     return soup;
 }
 
@@ -282,8 +282,7 @@ std::vector<int> working_vertices(const Surface& surface) {
     std::vector<int> result(count, -1);
     for (int f = 0; f < mesh.face_count(); ++f) {
         for (int k = 0; k < 3; ++k) {
-            const int corner = mesh.input_reversed[f] ? (3 - k) % 3 : k;
-            int& vertex = result[surface.faces()(mesh.input_face[f], corner)];
+            int& vertex = result[surface.faces()(mesh.input_face[f], mesh.input_corner(f, k))];
             if (vertex < 0) vertex = mesh.face[f][k];
         }
     }

@@ -18,9 +18,9 @@ struct Soup {
     /// All input vertices, used or not.
     std::vector<Eigen::Vector3d> position;
     std::vector<Corners> face;
-    /// Per triangle the input's index, and whether its corners 1 and 2 are the input's 2 and 1.
+    /// Per triangle the input's index, and how its corners stand to the input's (see TriangleMesh::input_order).
     std::vector<int> input_face;
-    std::vector<char> input_reversed;
+    std::vector<char> input_order;
     std::vector<std::string> warnings;
 };
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <functional>
 #include <numeric>
+#include <tuple>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -14,6 +15,9 @@
 namespace isograft {
 
 namespace {
+
+// Of a mesh along its last axis.
+constexpr int slices = 1 << 14;
 
 void connect(TriangleMesh& mesh, Monitor& monitor) {
     const Edges edges = collect_edges(mesh.face, monitor);
@@ -185,12 +189,12 @@ void label_components(TriangleMesh& mesh, Monitor& monitor) {
 }  // namespace
 
 TriangleMesh build_mesh(const std::vector<Eigen::Vector3d>& position, const std::vector<std::array<int, 3>>& face,
-                        const std::vector<int>& input_face, const std::vector<char>& input_reversed, Piece progress) {
+                        const std::vector<int>& input_face, const std::vector<char>& input_order, Piece progress) {
     Monitor& monitor = progress.monitor();
     TriangleMesh mesh;
     mesh.face = face;
     mesh.input_face = input_face;
-    mesh.input_reversed = input_reversed;
+    mesh.input_order = input_order;
     monitor.check();
     connect(mesh, monitor);
     progress.reach(0.4);
@@ -206,9 +210,9 @@ TriangleMesh build_mesh(const std::vector<Eigen::Vector3d>& position, const std:
 }
 
 TriangleMesh build_mesh(const std::vector<Eigen::Vector3d>& position, const std::vector<std::array<int, 3>>& face,
-                        const std::vector<int>& input_face, const std::vector<char>& input_reversed) {
+                        const std::vector<int>& input_face, const std::vector<char>& input_order) {
     Monitor silent;
-    return build_mesh(position, face, input_face, input_reversed, Piece(silent, 0.0));
+    return build_mesh(position, face, input_face, input_order, Piece(silent, 0.0));
 }
 
 TriangleMesh with_positions(const TriangleMesh& mesh, std::vector<Eigen::Vector3d> position, Monitor& monitor) {
@@ -223,8 +227,69 @@ TriangleMesh with_positions(const TriangleMesh& mesh, std::vector<Eigen::Vector3
     result.component_count = mesh.component_count;
     result.input_vertex = mesh.input_vertex;
     result.input_face = mesh.input_face;
-    result.input_reversed = mesh.input_reversed;
+    result.input_order = mesh.input_order;
     measure(result, monitor);
+    return result;
+}
+
+TriangleMesh in_order_of_place(const TriangleMesh& mesh, const std::vector<Eigen::Vector3d>& position,
+                               Monitor& monitor) {
+    double low = 0.0, high = 0.0;
+    for (const auto& p : position) {
+        low = std::min(low, p.z());
+        high = std::max(high, p.z());
+    }
+    monitor.check();
+    const auto slice = [&](int v) {
+        return static_cast<int>((slices - 1) * ((position[v].z() - low) / std::max(high - low, 1e-300)));
+    };
+    const auto before = [&](int a, int b) {
+        const auto &p = position[a], &q = position[b];
+        return std::tie(p.z(), p.y(), p.x(), a) < std::tie(q.z(), q.y(), q.x(), b);
+    };
+    std::vector<int> order(mesh.vertex_count());
+    std::iota(order.begin(), order.end(), 0);
+    order = sort_by_buckets(std::move(order), slices, slice, before, monitor);
+    std::vector<int> index(mesh.vertex_count());
+    TriangleMesh result;
+    for (std::size_t v = 0; v < order.size(); ++v) {
+        index[order[v]] = static_cast<int>(v);
+        result.position.push_back(position[order[v]]);
+        result.input_vertex.push_back(mesh.input_vertex[order[v]]);
+    }
+    monitor.check();
+    // Every triangle from its lowest vertex on.
+    std::vector<std::array<int, 3>> face(mesh.face_count());
+    std::vector<int> first(mesh.face_count());
+    for (int f = 0; f < mesh.face_count(); ++f) {
+        for (int k = 0; k < 3; ++k) face[f][k] = index[mesh.face[f][k]];
+        first[f] = static_cast<int>(std::min_element(face[f].begin(), face[f].end()) - face[f].begin());
+        std::rotate(face[f].begin(), face[f].begin() + first[f], face[f].end());
+    }
+    order.resize(mesh.face_count());
+    std::iota(order.begin(), order.end(), 0);
+    order = sort_by_buckets(
+        std::move(order), mesh.vertex_count(), [&](int f) { return face[f][0]; },
+        [&](int a, int b) { return std::tie(face[a], a) < std::tie(face[b], b); }, monitor);
+    std::vector<int> place(mesh.face_count());
+    for (std::size_t f = 0; f < order.size(); ++f) place[order[f]] = static_cast<int>(f);
+    const auto halfedge = [&](int h) { return 3 * place[h / 3] + (h % 3 + 3 - first[h / 3]) % 3; };
+    result.twin.resize(mesh.twin.size());
+    for (std::size_t f = 0; f < order.size(); ++f) {
+        const int old = order[f];
+        if (f % often == 0) monitor.check();
+        result.face.push_back(face[old]);
+        result.input_face.push_back(mesh.input_face[old]);
+        result.input_order.push_back(
+            static_cast<char>(mesh.input_corner(old, first[old]) + (mesh.input_order[old] < 3 ? 0 : 3)));
+        for (int k = 0; k < 3; ++k) {
+            const int twin = mesh.twin[3 * old + k];
+            result.twin[halfedge(3 * old + k)] = twin < 0 ? -1 : halfedge(twin);
+        }
+    }
+    collect_fans(result, monitor);
+    measure(result, monitor);
+    label_components(result, monitor);
     return result;
 }
 

@@ -49,30 +49,44 @@ struct TriangleMesh {
 
     /// Per vertex, per triangle: the input's index.
     std::vector<int> input_vertex, input_face;
-    /// Per triangle: its corners 1 and 2 are the input's 2 and 1.
-    std::vector<char> input_reversed;
+    /// Per triangle how its corners stand to the input's, see input_corner(): the first, plus 3 if they run against it.
+    std::vector<char> input_order;
 
     [[nodiscard]] int vertex_count() const { return static_cast<int>(position.size()); }
     [[nodiscard]] int face_count() const { return static_cast<int>(face.size()); }
+    /// The input's corner that is corner k of triangle f.
+    [[nodiscard]] int input_corner(int f, int k) const {
+        const int first = input_order[f] % 3;
+        return (input_order[f] < 3 ? first + k : first + 3 - k) % 3;
+    }
     [[nodiscard]] int from(int halfedge) const { return face[halfedge / 3][halfedge % 3]; }
     [[nodiscard]] int to(int halfedge) const { return face[halfedge / 3][(halfedge % 3 + 1) % 3]; }
 };
 
 /// Connect, split and measure a triangle soup whose triangles have an area and a common winding.
 ///
-/// \param position #V. \param face indices into it. \param input_face, input_reversed per triangle, passed on.
+/// \param position #V. \param face indices into it. \param input_face, input_order per triangle, passed on.
 /// Vertices no triangle uses are dropped; `input_vertex` refers to `position`. O(#F).
 /// \throw Cancelled if `progress` says so.
 TriangleMesh build_mesh(const std::vector<Eigen::Vector3d>& position, const std::vector<std::array<int, 3>>& face,
-                        const std::vector<int>& input_face, const std::vector<char>& input_reversed, Piece progress);
+                        const std::vector<int>& input_face, const std::vector<char>& input_order, Piece progress);
 
 /// The same, of small meshes.
 TriangleMesh build_mesh(const std::vector<Eigen::Vector3d>& position, const std::vector<std::array<int, 3>>& face,
-                        const std::vector<int>& input_face, const std::vector<char>& input_reversed);
+                        const std::vector<int>& input_face, const std::vector<char>& input_order);
 
 /// The same mesh with its vertices in other places, in which every triangle has an area.
 /// \param position per vertex. \throw Cancelled if `monitor` asks for it.
 TriangleMesh with_positions(const TriangleMesh& mesh, std::vector<Eigen::Vector3d> position, Monitor& monitor);
+
+/// with_positions(), in an order that hangs on these places alone, whatever the numbering was: vertices along the last
+/// coordinate, triangles by their corners, each from its first vertex on. Vertices in one place keep their order.
+/// \param position as above. O(#V log #V). \throw Cancelled if `monitor` asks for it.
+TriangleMesh in_order_of_place(const TriangleMesh& mesh, const std::vector<Eigen::Vector3d>& position,
+                               Monitor& monitor);
+
+/// An order of corners turned round: corners 1 and 2 of a triangle change places.
+constexpr char reversed_order(char order) { return static_cast<char>((order + 3) % 6); }
 
 /// The same mesh with all lengths multiplied by `factor`.
 TriangleMesh scaled(const TriangleMesh& mesh, double factor);

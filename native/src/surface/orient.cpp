@@ -115,7 +115,7 @@ void orient(Soup& soup, Piece progress) {
     int minority = 0;
     const auto turn = [&](int f) {
         std::swap(soup.face[f][1], soup.face[f][2]);
-        soup.input_reversed[f] = !soup.input_reversed[f];
+        soup.input_order[f] = reversed_order(soup.input_order[f]);
     };
     for (int f = 0; f < count; ++f) {
         const std::array<double, 2>& sides = area[component[f]];

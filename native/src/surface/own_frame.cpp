@@ -92,7 +92,7 @@ TriangleMesh in_own_frame(const TriangleMesh& mesh, Monitor& monitor) {
         place[v] = frame.turn * (mesh.position[v] - frame.centre);
         for (double& x : place[v]) x = grain[v] * std::round(x / grain[v]);
     }
-    return with_positions(mesh, std::move(place), monitor);
+    return in_order_of_place(mesh, place, monitor);
 }
 
 }  // namespace isograft

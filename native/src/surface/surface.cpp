@@ -54,7 +54,7 @@ Surface Surface::from_mesh(Points vertices, Triangles faces, Monitor* monitor, d
     Soup soup = clean(vertices, faces, progress.until(0.35));
     orient(soup, progress.until(0.55));
     auto mesh = std::make_shared<TriangleMesh>(
-        build_mesh(soup.position, soup.face, soup.input_face, soup.input_reversed, progress.until(0.9)));
+        build_mesh(soup.position, soup.face, soup.input_face, soup.input_order, progress.until(0.9)));
     surface.warnings_ = std::move(soup.warnings);
     warn(surface.warnings_, split_vertices(*mesh), "vertex was split where the surface touches itself.",
          "vertices were split where the surface touches itself.");
@@ -95,17 +95,17 @@ Surface Surface::with_open_parts_reversed(Monitor* monitor) const {
     // The mesh may be smoother than what was given.
     for (int v = 0; v < mesh_->vertex_count(); ++v) position[mesh_->input_vertex[v]] = mesh_->position[v];
     std::vector<Corners> face = input_corners(*mesh_);
-    std::vector<char> reversed = mesh_->input_reversed;
+    std::vector<char> order = mesh_->input_order;
     const std::vector<ComponentSide> sides =
         component_sides(position, face, mesh_->component, mesh_->component_count, watcher);
     for (int f = 0; f < mesh_->face_count(); ++f) {
         if (sides[mesh_->component[f]].closed) continue;
         std::swap(face[f][1], face[f][2]);
-        reversed[f] = !reversed[f];
+        order[f] = reversed_order(order[f]);
     }
     Surface surface = *this;
     surface.mesh_ =
-        std::make_shared<TriangleMesh>(build_mesh(position, face, mesh_->input_face, reversed, Piece(watcher, 0.0)));
+        std::make_shared<TriangleMesh>(build_mesh(position, face, mesh_->input_face, order, Piece(watcher, 0.0)));
     return surface;
 }
 
@@ -138,7 +138,7 @@ Surface Surface::reversed_cloud() const {
     for (Corners& f : face) std::swap(f[1], f[2]);
     Surface surface = *this;
     surface.mesh_ =
-        std::make_shared<TriangleMesh>(build_mesh(mesh_->position, face, mesh_->input_face, mesh_->input_reversed));
+        std::make_shared<TriangleMesh>(build_mesh(mesh_->position, face, mesh_->input_face, mesh_->input_order));
     surface.normals_ = -normals_;
     return surface;
 }

@@ -22,7 +22,7 @@ TEST(Orientation, TurnsMixedWindingToTheLargerPart) {
     EXPECT_TRUE(warns(surface, "3 triangles were turned over"));
     for (const auto& n : surface.mesh().normal) EXPECT_NEAR(n.z(), 1.0, 1e-15);
     for (int f = 0; f < surface.mesh().face_count(); ++f) {
-        EXPECT_EQ(surface.mesh().input_reversed[f] != 0, f == 3 || f == 17 || f == 40);
+        EXPECT_EQ(surface.mesh().input_order[f] != 0, f == 3 || f == 17 || f == 40);
     }
     expect_indexed_by_input(surface);
 }
@@ -48,7 +48,7 @@ TEST(Orientation, TurnsClosedComponentsOutwardWhereverTheyLie) {
         const bool second = mesh.input_face[f] >= 320;
         const Eigen::Vector3d centre = second ? Eigen::Vector3d(50, 60, -70) : Eigen::Vector3d::Zero();
         EXPECT_GT(mesh.normal[f].dot(mesh.position[mesh.face[f][0]] - centre), 0.9);
-        EXPECT_EQ(mesh.input_reversed[f] != 0, second);
+        EXPECT_EQ(mesh.input_order[f] != 0, second);
     }
     expect_indexed_by_input(surface);
 }
@@ -107,7 +107,7 @@ TEST(Orientation, ReversesOpenPartsOnlyAndTwiceIsNothing) {
         const bool open = surface.mesh().input_face[f] >= 320;
         EXPECT_EQ(turned.mesh().input_face[f], surface.mesh().input_face[f]);
         EXPECT_NEAR(turned.mesh().normal[f].dot(surface.mesh().normal[f]), open ? -1.0 : 1.0, 1e-12);
-        EXPECT_EQ(turned.mesh().input_reversed[f] != 0, open);
+        EXPECT_EQ(turned.mesh().input_order[f] != 0, open);
         EXPECT_EQ(back.mesh().face[f], surface.mesh().face[f]);
     }
     EXPECT_EQ(turned.vertices(), surface.vertices());

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "surface/own_frame.h"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -26,6 +28,10 @@ void expect_one_place(const TriangleMesh& a, const TriangleMesh& b) {
     int moved = 0;
     for (int v = 0; v < a.vertex_count(); ++v) moved += a.position[v] != b.position[v];
     EXPECT_EQ(moved, 0);
+    EXPECT_EQ(a.face, b.face);
+    EXPECT_EQ(a.twin, b.twin);
+    EXPECT_EQ(a.vertex_face, b.vertex_face);
+    EXPECT_EQ(a.component, b.component);
     EXPECT_EQ(a.length, b.length);
     EXPECT_EQ(a.rotation, b.rotation);
 }
@@ -58,14 +64,56 @@ TEST(OwnFrame, UndoesEveryMotionToTheLastBit) {
     }
 }
 
-TEST(OwnFrame, KeepsLengthsSideAndConnectivity) {
-    const TriangleMesh before = gate(shapes::blob(4)).mesh();
-    const TriangleMesh after = in_own_frame(shapes::blob(4));
-    EXPECT_EQ(before.face, after.face);
-    EXPECT_EQ(before.twin, after.twin);
-    EXPECT_EQ(before.input_vertex, after.input_vertex);
-    for (std::size_t h = 0; h < before.length.size(); ++h) EXPECT_NEAR(before.length[h], after.length[h], 1e-6);
+TEST(OwnFrame, UndoesEveryRenumberingToTheLastBit) {
+    const shapes::Shape pieces =
+        shapes::joined(shapes::blob(3), shapes::moved(shapes::blob(2), turn_by(1.0, {1, 0, 0}), {0.7, 3.0, 0.2}));
+    for (const shapes::Shape& shape : {shapes::blob(4), two_sided(), sheet(), pieces}) {
+        const TriangleMesh here = in_own_frame(shape);
+        for (const int seed : {3, 4, 5}) {
+            const auto other = shapes::renumbered(shape, seed);
+            const TriangleMesh there = in_own_frame(other.shape);
+            expect_one_place(here, there);
+            for (int v = 0; v < here.vertex_count(); ++v) {
+                EXPECT_EQ(there.input_vertex[v], other.vertex[here.input_vertex[v]]);
+            }
+            for (int f = 0; f < here.face_count(); ++f) EXPECT_EQ(there.input_face[f], other.face[here.input_face[f]]);
+        }
+    }
+}
+
+TEST(OwnFrame, KeepsEveryTrianglesCornersAndSide) {
+    // Some triangles are wound against the others, which the gate turns.
+    shapes::Shape shape = shapes::blob(4);
+    for (const int f : {5, 70, 71, 900}) std::swap(shape.faces(f, 0), shape.faces(f, 1));
+    const Surface surface = gate(shape);
+    Monitor monitor;
+    const TriangleMesh &before = surface.mesh(), after = isograft::in_own_frame(before, monitor);
+    expect_manifold(after);
+    EXPECT_EQ(after.component_count, before.component_count);
+    ASSERT_EQ(after.face_count(), before.face_count());
+    for (int f = 0; f < after.face_count(); ++f) {
+        const int input = after.input_face[f];
+        ASSERT_EQ(before.input_face[input], input);
+        for (int k = 0; k < 3; ++k) {
+            const int corner = after.input_corner(f, k);
+            EXPECT_EQ(after.input_vertex[after.face[f][k]], shape.faces(input, corner));
+            int same = 0;
+            while (before.input_corner(input, same) != corner) ++same;
+            EXPECT_NEAR(after.length[3 * f + k], before.length[3 * input + same], 1e-6);
+        }
+    }
     EXPECT_NEAR(volume(before), volume(after), 1e-5);
+}
+
+TEST(OwnFrame, NumbersFromOneEndToTheOther) {
+    const TriangleMesh mesh = in_own_frame(shapes::renumbered(two_sided(), 9).shape);
+    for (int v = 1; v < mesh.vertex_count(); ++v) EXPECT_LE(mesh.position[v - 1].z(), mesh.position[v].z());
+    for (int f = 0; f < mesh.face_count(); ++f) {
+        EXPECT_EQ(mesh.face[f][0], *std::min_element(mesh.face[f].begin(), mesh.face[f].end()));
+        if (f > 0) {
+            EXPECT_LT(mesh.face[f - 1], mesh.face[f]);
+        }
+    }
 }
 
 TEST(OwnFrame, PutsTheCentreInTheMiddleAndTheLongestAxisLast) {
@@ -92,10 +140,11 @@ TEST(OwnFrame, SqueezesNoThinTriangle) {
     const TriangleMesh after = isograft::in_own_frame(surface.mesh(), monitor);
     int thin = 0;
     for (int f = 0; f < after.face_count(); ++f) {
-        const double before = cross(surface.mesh().corner[f][1], surface.mesh().corner[f][2]);
+        const int input = after.input_face[f];
+        const double before = cross(surface.mesh().corner[input][1], surface.mesh().corner[input][2]);
         const double now = cross(after.corner[f][1], after.corner[f][2]);
         EXPECT_NEAR(now / before, 1.0, 0.05);
-        thin += surface.mesh().input_vertex[surface.mesh().face[f][0]] >= first;
+        thin += shape.faces(input, 0) >= first;
     }
     EXPECT_EQ(thin, 40);
 }
