@@ -96,6 +96,7 @@ Work prepare(const Surface& source, const Surface& target, const MatchOptions& o
         quick.hierarchy = fast.hierarchy;
         quick.seed = fast.seed;
         quick.landmarks.clear();
+        quick.surface.close_holes = 0.0;
         const PreparedPair prepared = prepare_pair(source, target, quick, report, monitor, 0.0, prepared_by);
         setting = prepared.setting;
         // Given features fix the side too: that of the input.

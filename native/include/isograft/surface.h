@@ -73,6 +73,9 @@ class Surface {
     /// The same surface with the mesh the stages work on moved to where nobody's moving and turning of the input shows
     /// (internal; see surface/own_frame.h). A cloud stays where it is.
     [[nodiscard]] Surface in_own_frame(Monitor& monitor) const;
+    /// The same surface with the small holes of the mesh the stages work on closed (internal; see surface/holes.h). A
+    /// cloud's stay.
+    [[nodiscard]] Surface with_holes_closed(double longest, Monitor& monitor) const;
     /// The same surface with the mesh the stages work on smoothed (internal; see SurfaceOptions). A cloud's is already.
     [[nodiscard]] Surface denoised(double support, Monitor& monitor) const;
 

@@ -140,6 +140,8 @@ void unmatch_all(Correspondence& c, Eigen::Index n) {
 void write_row(Correspondence& c, Eigen::Index row, const VertexImage& image, const Detail& target,
                const std::optional<CloudRows>& cloud) {
     SurfacePoint point = image.point;
+    // What closes a hole is not there.
+    if (!cloud && target.fine().input_face[point.face] < 0) return;
     c.confidence[row] = image.confidence;
     c.stretch[row] = image.stretch;
     c.region[row] = image.region;
@@ -266,6 +268,7 @@ Correspondence densify(const PartialMap& map, const Pair& pair, const SampleNote
     for (int v = 0; v < fine_count; ++v) {
         if (v % often == 0) monitor.check();
         const int row = source.fine().input_vertex[v];
+        if (row < 0) continue;
         // A vertex that was split keeps its surer copy.
         if (images[v].confidence >= result.confidence[row]) write(row, images[v]);
     }

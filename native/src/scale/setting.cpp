@@ -200,7 +200,8 @@ PreparedPair prepare_pair(const Surface& source, const Surface& target, const Ma
         static_cast<int>(surfaces.size()), options.threads,
         [&](int i, int /*worker*/) {
             const double share = static_cast<double>(vertices[i]) / all;
-            made[i] = make_side(surfaces[i], options.hierarchy, Piece(monitor, share * (coarse_by - from)));
+            made[i] = make_side(surfaces[i].with_holes_closed(options.surface.close_holes, monitor), options.hierarchy,
+                                Piece(monitor, share * (coarse_by - from)));
         },
         monitor, "surface", from, from);
     std::vector<const Side*> sources{made.data()}, targets{&made[1]};

@@ -281,6 +281,7 @@ std::vector<int> working_vertices(const Surface& surface) {
     const Eigen::Index count = surface.vertices().rows();
     std::vector<int> result(count, -1);
     for (int f = 0; f < mesh.face_count(); ++f) {
+        if (mesh.input_face[f] < 0) continue;
         for (int k = 0; k < 3; ++k) {
             int& vertex = result[surface.faces()(mesh.input_face[f], mesh.input_corner(f, k))];
             if (vertex < 0) vertex = mesh.face[f][k];

@@ -17,6 +17,7 @@ void SurfaceOptions::validate() const {
     if (!(denoise == 0.0 || (denoise >= 1.0 && denoise <= 10.0))) {
         throw InvalidInput("surface.denoise must be 0 or in [1, 10]");
     }
+    if (!(close_holes >= 0.0 && close_holes <= 2.0)) throw InvalidInput("surface.close_holes must be in [0, 2]");
 }
 
 namespace {

@@ -47,7 +47,7 @@ struct TriangleMesh {
     double area = 0.0;
     double mean_edge = 0.0;
 
-    /// Per vertex, per triangle: the input's index.
+    /// Per vertex, per triangle: the input's index; -1 for what closes a hole.
     std::vector<int> input_vertex, input_face;
     /// Per triangle how its corners stand to the input's, see input_corner(): the first, plus 3 if they run against it.
     std::vector<char> input_order;

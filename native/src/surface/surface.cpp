@@ -9,6 +9,7 @@
 #include "surface/clean.h"
 #include "surface/cloud.h"
 #include "surface/denoise.h"
+#include "surface/holes.h"
 #include "surface/mesh.h"
 #include "surface/orient.h"
 #include "surface/own_frame.h"
@@ -120,6 +121,13 @@ Surface Surface::in_own_frame(Monitor& monitor) const {
     // The mesh over a cloud hangs on how it lay, and results are points of it.
     if (is_cloud_) return surface;
     surface.mesh_ = std::make_shared<TriangleMesh>(isograft::in_own_frame(*mesh_, monitor));
+    return surface;
+}
+
+Surface Surface::with_holes_closed(double longest, Monitor& monitor) const {
+    Surface surface = *this;
+    if (is_cloud_ || longest == 0.0) return surface;
+    surface.mesh_ = std::make_shared<TriangleMesh>(isograft::with_holes_closed(*mesh_, longest, monitor));
     return surface;
 }
 
