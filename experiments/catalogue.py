@@ -15,6 +15,8 @@ from benchmarks.cases import Case, read_case
 from experiments import shapes
 
 CLEAN: dict[str, Any] = {}
+#: What preset paper has by itself, said for a pair of an experiment with the other radii.
+CLEAN_RADII: dict[str, Any] = {"paper_radius_min": 0.9, "paper_radius_max": 1.7}
 NOISY: dict[str, Any] = {"paper_radius_min": 1.5, "paper_radius_max": 3.4}
 
 
@@ -25,6 +27,8 @@ class Pair:
     name: str
     case: Case
     landmarks: np.ndarray | None = None
+    #: Options of preset paper in place of the experiment's.
+    options: dict[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -81,6 +85,12 @@ def _contacts(data: Path) -> list[Pair]:
     pairs = _of_data("topo_020_028")(data)
     case = pairs[0].case
     return [*pairs, Pair(f"{pairs[0].name}_given", case, noisy_matches(case, 20, 0.02, seed=0))]
+
+
+def _clouds(data: Path) -> list[Pair]:
+    """Three clouds with the radii for noisy surfaces, and the last again with those for clean ones."""
+    pairs = _of_data("pc_faust_020_025", "pc_cat0_cat5", "pc_faust_033_037")(data)
+    return [*pairs, Pair(f"{pairs[-1].name}_clean_radii", pairs[-1].case, options=CLEAN_RADII)]
 
 
 def _full_size(data: Path) -> list[Pair]:
@@ -194,7 +204,7 @@ EXPERIMENTS = [
             "As can be seen, the method of Tevs et al. obtains better coverage, however our method has fewer "
             "outliers - islands of incorrectly mapped points within larger smoothly mapped regions.",
         ],
-        _of_data("pc_faust_020_025", "pc_cat0_cat5", "pc_faust_033_037"),
+        _clouds,
         {**NOISY, "paper_threshold": 1.0},
         other_vertices={"pc_faust_020_025": 10000},
         other_views={"pc_cat0_cat5": ("z", 90.0)},

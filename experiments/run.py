@@ -75,6 +75,8 @@ def run_pair(experiment: Experiment, pair: Pair, method: str, settings: Settings
     folder.mkdir(parents=True, exist_ok=True)
     started, began = time.perf_counter(), time.process_time()
     row: dict[str, Any] = {"experiment": experiment.name, "pair": pair.name, "method": method, "settings": wanted}
+    if pair.options:
+        row["options"] = pair.options
     try:
         found, extra = _find(experiment, pair, method, settings)
     except (isograft.InvalidInput, ImportError) as error:
@@ -104,7 +106,7 @@ def _find(experiment: Experiment, pair: Pair, method: str, settings: Settings) -
     if pair.landmarks is not None:
         options["seed_landmarks_only"] = True
     if method == "paper":
-        options |= experiment.options
+        options |= experiment.options | pair.options
         options |= {
             "paper_vertices": settings.vertices or experiment.limit(pair.name),
             "paper_matches": settings.matches,

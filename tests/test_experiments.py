@@ -16,7 +16,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 from experiments import run, shapes  # noqa: E402
-from experiments.catalogue import EXPERIMENTS, NOISY, Experiment, Pair  # noqa: E402
+from experiments.catalogue import CLEAN_RADII, EXPERIMENTS, NOISY, Experiment, Pair  # noqa: E402
 from experiments.page import write_page  # noqa: E402
 from experiments.run import Settings, StageClock, run_pair  # noqa: E402
 
@@ -25,6 +25,8 @@ BY_NAME = {e.name: e for e in EXPERIMENTS}
 
 def test_only_what_the_paper_varies_is_varied_and_to_the_values_it_prints() -> None:
     assert NOISY == {"paper_radius_min": 1.5, "paper_radius_max": 3.4}
+    assert CLEAN_RADII == {"paper_radius_min": 0.9, "paper_radius_max": 1.7}
+    assert isograft.preset_options("paper").items() >= CLEAN_RADII.items()
     noisy = {e.name for e in EXPERIMENTS if e.options.items() >= NOISY.items()}
     assert noisy == {"contacts", "clouds"}
     q = {e.name: e.options["paper_threshold"] for e in EXPERIMENTS}
@@ -89,6 +91,19 @@ def test_what_is_kept_is_not_run_again_unless_the_settings_differ(ran: Any, monk
     assert run_pair(experiment, pair, "paper", settings) == json.loads(json.dumps(row))
     with pytest.raises(AssertionError, match="ran again"):
         run_pair(experiment, pair, "paper", dataclasses.replace(settings, vertices=150))
+
+
+def test_options_of_a_pair_replace_those_of_its_experiment_and_are_told(ran: Any, tmp_path: Path) -> None:
+    experiment, pair, settings, row = ran
+    settings = dataclasses.replace(settings, out=tmp_path / "out")
+    # One that is refused shows that it reaches the match, in place of the experiment's.
+    own = dataclasses.replace(pair, options={"paper_near": 0.1})
+    refused = run_pair(experiment, own, "paper", settings)
+    assert refused["failed"] == "paper.near must be in [0.5, 4]"
+    assert refused["options"] == own.options
+    (tmp_path / "out/planes/planes.paper.json").write_text(json.dumps(row | {"options": {"paper_near": 1.25}}))
+    write_page([experiment], settings.out, tmp_path)
+    assert "in the chosen cluster. With `paper_near=1.25`." in (tmp_path / "experiments.md").read_text("utf-8")
 
 
 def test_the_page_has_the_rows_their_sizes_and_their_times(ran: Any, tmp_path: Path) -> None:
