@@ -86,6 +86,17 @@ def snapshot(obj: Any) -> dict[str, Any]:
     }
 
 
+def filled_around(obj: Any, unmatched: Array) -> Array:
+    """(n,) vertices that filling marks: those without a match (n,), and those that no triangle with three matches
+    touches, at which faces and corners are filled."""
+    mesh = obj.data
+    mesh.calc_loop_triangles()
+    triangles = np.array([tuple(triangle.vertices) for triangle in mesh.loop_triangles])
+    touched = np.zeros(len(unmatched), dtype=bool)
+    touched[triangles[~unmatched[triangles].any(axis=1)]] = True
+    return ~touched
+
+
 def keys(mesh: Any) -> list[Any]:
     """Every shape key of a mesh."""
     if mesh.shape_keys is None:
