@@ -124,7 +124,6 @@ void weld_seams(const Soup& soup, const std::vector<int>& place, DisjointSets& s
     }
     const Edges edges = collect_edges(placed, monitor);
     const auto corner = [](const std::vector<Corners>& face, int h) { return face[h / 3][h % 3]; };
-    const auto following = [](int h) { return h / 3 * 3 + (h % 3 + 1) % 3; };
     for (const EdgeGroup& group : edges.group) {
         if (group.begin % often == 0) monitor.check();
         if (group.end - group.begin != 2) continue;

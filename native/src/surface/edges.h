@@ -16,6 +16,9 @@ namespace isograft {
 
 using Corners = std::array<int, 3>;
 
+/// The half-edge after this one in its triangle.
+constexpr int following(int halfedge) { return halfedge / 3 * 3 + (halfedge % 3 + 1) % 3; }
+
 /// The lower and the higher end of the edge that half-edge 3 f + k runs along.
 struct EdgeItem {
     int low, high, halfedge;

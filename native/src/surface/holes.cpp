@@ -11,15 +11,14 @@
 #include <Eigen/SparseCholesky>
 
 #include "isograft/monitor.h"
+#include "surface/edges.h"
 
 namespace isograft {
 
 namespace {
 
 using Eigen::Vector3d;
-using Corners = std::array<int, 3>;
 
-constexpr int often = 1 << 16;
 // Mean cosine between the normal at the rim and the way to its middle: 0 for a hole in a plane, 1 for a stump.
 constexpr double across = 0.8;
 // How far the surface leads to the middle along the rim, of how far it leads there or away: 1 for a hole, -1 where a
@@ -42,8 +41,6 @@ struct Ring {
     std::vector<int> vertex;
     std::vector<double> at;
 };
-
-int following(int halfedge) { return halfedge / 3 * 3 + (halfedge % 3 + 1) % 3; }
 
 std::vector<Rim> find_rims(const TriangleMesh& mesh, Monitor& monitor) {
     std::vector<Rim> rims;
@@ -239,20 +236,23 @@ class Closer {
 
 }  // namespace
 
-TriangleMesh with_holes_closed(const TriangleMesh& mesh, double longest, Monitor& monitor) {
+std::optional<TriangleMesh> with_holes_closed(const TriangleMesh& mesh, double longest, Monitor& monitor) {
     std::vector<double> root_area(mesh.component_count, 0.0);
     for (int f = 0; f < mesh.face_count(); ++f) {
         root_area[mesh.component[f]] += 0.5 * mesh.corner[f][1].real() * mesh.corner[f][2].imag();
     }
     for (double& a : root_area) a = std::sqrt(a);
-    Closer closer(mesh);
+    // Most meshes have no hole: those are not copied.
+    std::optional<Closer> closer;
     for (const Rim& rim : find_rims(mesh, monitor)) {
         monitor.check();
         const double unit = root_area[mesh.component[rim.halfedge.front() / 3]];
         if (rim.halfedge.size() < 3 || rim.length > longest * unit || !is_hole(mesh, rim)) continue;
-        closer.close(rim, fine_enough * unit);
+        if (!closer) closer.emplace(mesh);
+        closer->close(rim, fine_enough * unit);
     }
-    return closer.changed() ? closer.finish(monitor) : mesh;
+    if (!closer || !closer->changed()) return {};
+    return closer->finish(monitor);
 }
 
 }  // namespace isograft

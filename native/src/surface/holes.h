@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
+
 #include "surface/mesh.h"
 
 namespace isograft {
@@ -16,7 +18,7 @@ class Monitor;
 /// the rim to the middle, about as fine as the rim or a hundredth of the root of the area, which minimise the
 /// bi-Laplacian with weights 1 / edge length. What is new has `input_vertex`, `input_face` -1 and comes behind the
 /// rest. A hole whose piece would have triangles without area stays open. O(#F + sum of rims).
-/// \return the mesh itself if nothing is closed. \throw Cancelled if `monitor` asks for it.
-TriangleMesh with_holes_closed(const TriangleMesh& mesh, double longest, Monitor& monitor);
+/// \return nothing if there is no such hole. \throw Cancelled if `monitor` asks for it.
+std::optional<TriangleMesh> with_holes_closed(const TriangleMesh& mesh, double longest, Monitor& monitor);
 
 }  // namespace isograft

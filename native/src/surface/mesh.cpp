@@ -56,7 +56,6 @@ void split_fans(TriangleMesh& mesh, const std::vector<Eigen::Vector3d>& position
             b = find_root(parent, b);
             parent[std::max(a, b)] = std::min(a, b);
         };
-        const auto following = [](int halfedge) { return halfedge / 3 * 3 + (halfedge % 3 + 1) % 3; };
         join(h, following(g));
         join(following(h), g);
     }

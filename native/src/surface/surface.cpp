@@ -127,7 +127,9 @@ Surface Surface::in_own_frame(Monitor& monitor) const {
 Surface Surface::with_holes_closed(double longest, Monitor& monitor) const {
     Surface surface = *this;
     if (is_cloud_ || longest == 0.0) return surface;
-    surface.mesh_ = std::make_shared<TriangleMesh>(isograft::with_holes_closed(*mesh_, longest, monitor));
+    if (auto closed = isograft::with_holes_closed(*mesh_, longest, monitor)) {
+        surface.mesh_ = std::make_shared<TriangleMesh>(std::move(*closed));
+    }
     return surface;
 }
 

@@ -19,7 +19,8 @@ namespace {
 
 TriangleMesh closed(const shapes::Shape& shape, double longest = 0.5) {
     Monitor monitor;
-    return with_holes_closed(gate(shape).mesh(), longest, monitor);
+    const Surface surface = gate(shape);
+    return with_holes_closed(surface.mesh(), longest, monitor).value_or(surface.mesh());
 }
 
 int boundary_edges(const TriangleMesh& mesh) {
