@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
+import isograft
 import numpy as np
 import pytest
 from isograft import _native, transfer
@@ -264,6 +265,26 @@ def test_values_per_point_are_interpolated_if_floats_and_picked_otherwise():
     assert values.dtype == np.uint8 and (values[matched] == 255).all() and (values[3] == 0).all()
     with pytest.raises(_native.InvalidInput, match="have no mean"):
         transfer.transfer_point(correspondence, donor[1], names, mode="barycentric")
+
+
+@pytest.mark.parametrize("call", ["floats", "names", "islands"])
+def test_values_per_point_and_islands_tell_how_far_they_are_and_stop_when_asked_to(call):
+    correspondence, _, donor = pair("torus", COARSE, 0.37)
+    names = np.array([f"bone {v}" for v in range(len(donor[0]))])
+
+    def run(progress):
+        if call == "islands":
+            return transfer.uv_islands(donor[1], donor[2], vertices=donor[0], progress=progress)
+        data = donor[0] if call == "floats" else names
+        return transfer.transfer_point(correspondence, donor[1], data, progress=progress).values
+
+    told = []
+    np.testing.assert_array_equal(run(lambda *step: told.append(step)), run(None))
+    fractions = [fraction for _, fraction in told]
+    assert fractions == sorted(fractions) and fractions[-1] == 1.0
+    assert {stage for stage, _ in told} == {"islands" if call == "islands" else "points"}
+    with pytest.raises(isograft.Cancelled):
+        run(lambda *_: False)
 
 
 def test_a_point_cloud_gives_the_value_of_the_nearest_vertex():

@@ -119,6 +119,19 @@ def test_filling_of_faces_tells_how_far_it_is_and_stops_when_asked_to():
         transfer.fill_face(vertices, faces, np.zeros(len(faces)), known, progress=lambda *_: False)
 
 
+def test_filling_of_corners_tells_how_far_it_is_from_its_first_pass_on_and_stops_in_each():
+    vertices, faces, uv = cube(12)
+    known = np.linalg.norm(vertices[faces].mean(axis=1) - [1.0, 0.75, 0.1], axis=1) > 0.45
+    told = []
+    transfer.fill_corner(vertices, faces, uv, known, progress=lambda *step: told.append(step))
+    stages, fractions = zip(*told, strict=True)
+    assert list(dict.fromkeys(stages)) == ["groups", "islands", "fill"]
+    assert list(fractions) == sorted(fractions) and fractions[-1] == 1.0
+    for stopped in ("groups", "islands", "fill"):
+        with pytest.raises(isograft.Cancelled):
+            transfer.fill_corner(vertices, faces, uv, known, progress=lambda stage, _, end=stopped: stage != end)
+
+
 def test_filling_refuses_what_does_not_fit():
     vertices, faces, uv = flat(3)
     known = np.ones(len(vertices), bool)

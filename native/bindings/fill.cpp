@@ -43,13 +43,18 @@ void bind_fill(py::module_& m) {
         py::arg("vertices"), py::arg("faces"), py::arg("known"), py::arg("progress"));
     m.def(
         "corner_groups",
-        [](const IntArray& faces, const DoubleArray& values, double tolerance, const DoubleArray& vertices) {
+        [](const IntArray& faces, const DoubleArray& values, double tolerance, const DoubleArray& vertices,
+           const py::object& progress) {
             const Triangles triangles = to_triangles(faces, "faces");
             const CornerValues given = to_values(values, "corner values");
             const Points points = to_points(vertices, "vertices");
-            return to_numpy(corner_groups(triangles, given, tolerance, points));
+            Eigen::VectorXi groups;
+            run_with_progress(progress, [&](Monitor& monitor) {
+                groups = corner_groups(triangles, given, tolerance, points, &monitor);
+            });
+            return to_numpy(groups);
         },
-        py::arg("faces"), py::arg("values"), py::arg("tolerance"), py::arg("vertices"));
+        py::arg("faces"), py::arg("values"), py::arg("tolerance"), py::arg("vertices"), py::arg("progress"));
     m.def(
         "complete_rigid",
         [](const DoubleArray& rest, const IntArray& faces, const DoubleArray& placed, const BoolArray& known,

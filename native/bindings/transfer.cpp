@@ -87,34 +87,33 @@ void bind_transfer(py::module_& m) {
     m.def(
         "transfer_point",
         [](const IntArray& face, const DoubleArray& barycentric, const IntArray& vertex, const IntArray& donor_faces,
-           const DoubleArray& values, bool nearest) {
+           const DoubleArray& values, bool nearest, const py::object& progress) {
             const Correspondence correspondence = to_correspondence(face, barycentric, vertex);
             const Triangles faces = to_triangles(donor_faces, "donor_faces");
             const CornerValues given = to_values(values, "values");
             const TransferMode mode = nearest ? TransferMode::nearest : TransferMode::barycentric;
             TransferredValues moved;
-            {
-                const py::gil_scoped_release released;
-                moved = transfer_point(correspondence, faces, given, mode);
-            }
+            run_with_progress(progress, [&](Monitor& monitor) {
+                moved = transfer_point(correspondence, faces, given, mode, &monitor);
+            });
             return py::make_tuple(to_numpy(moved.values), to_mask(moved.mask));
         },
         py::arg("face"), py::arg("barycentric"), py::arg("vertex"), py::arg("donor_faces"), py::arg("values"),
-        py::arg("nearest"));
+        py::arg("nearest"), py::arg("progress"));
     m.def(
         "uv_islands",
-        [](const IntArray& faces, const DoubleArray& values, double tolerance, const DoubleArray& vertices) {
+        [](const IntArray& faces, const DoubleArray& values, double tolerance, const DoubleArray& vertices,
+           const py::object& progress) {
             const Triangles triangles = to_triangles(faces, "faces");
             const CornerValues given = to_values(values, "corner values");
             const Points points = to_points(vertices, "vertices");
             Eigen::VectorXi islands;
-            {
-                const py::gil_scoped_release released;
-                islands = uv_islands(triangles, given, tolerance, points);
-            }
+            run_with_progress(progress, [&](Monitor& monitor) {
+                islands = uv_islands(triangles, given, tolerance, points, &monitor);
+            });
             return to_numpy(islands);
         },
-        py::arg("faces"), py::arg("values"), py::arg("tolerance"), py::arg("vertices"));
+        py::arg("faces"), py::arg("values"), py::arg("tolerance"), py::arg("vertices"), py::arg("progress"));
     bind(m, "place_corners", &bound_place_corners);
     bind(m, "transfer_corner_uv", &bound_transfer_corner_uv);
 }

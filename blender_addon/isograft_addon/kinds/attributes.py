@@ -64,8 +64,8 @@ class Attributes(Kind):
 
     def _points(self, values: Array) -> tuple[Array, Array]:
         """As the others: values, and which rows have any."""
-        self.step(len(self._layers))
-        moved = transfer.transfer_point(self.pair.correspondence, self.pair.given.triangles, values)
+        progress = self.step(len(self._layers))
+        moved = transfer.transfer_point(self.pair.correspondence, self.pair.given.triangles, values, progress=progress)
         result = moved.values
         result[~moved.mask] = np.zeros((), result.dtype)
         return self._completed(fill_points, result, moved.mask)

@@ -60,8 +60,10 @@ class Colors(Kind):
         return [layer.name for layer in self._moved]
 
     def _points(self, layer: CornerLayer, own: Array | None) -> Array:
-        self.step(len(self._layers))
-        moved = transfer.transfer_point(self.pair.correspondence, self.pair.given.triangles, layer.values)
+        progress = self.step(len(self._layers))
+        moved = transfer.transfer_point(
+            self.pair.correspondence, self.pair.given.triangles, layer.values, progress=progress
+        )
         values, known = np.where(moved.mask[:, None], moved.values, 0.0), np.asarray(moved.mask)
         if self.settings.fill:
             limits = {"low": float(layer.values.min()), "high": float(layer.values.max())}

@@ -28,10 +28,10 @@ Eigen::VectorXi nearest_known(const Points& vertices, const Triangles& faces, co
                               Monitor* monitor = nullptr);
 
 /// Which corners at a vertex are joined by edges across which a corner attribute does not jump.
-/// \param values 3 #F by k. \param vertices as in uv_islands().
-/// \return 3 #F: numbers from 0, one per group.
+/// \param values 3 #F by k. \param vertices as in uv_islands(). \param monitor may be null.
+/// \return 3 #F: numbers from 0, one per group. O(#F log #F). \throw as uv_islands().
 Eigen::VectorXi corner_groups(const Triangles& faces, const CornerValues& values, double tolerance,
-                              const Points& vertices = Points());
+                              const Points& vertices = Points(), Monitor* monitor = nullptr);
 
 /// Options of complete_rigid().
 struct CompletionOptions {

@@ -86,20 +86,21 @@ struct CornerPlacement {
 ///
 /// Vertices matched to a donor vertex only (`face` -1, `vertex` >= 0: a point cloud) take that vertex's value.
 /// \param donor_faces #F by 3, may be empty for a point cloud. \param values #V(donor) by k.
-/// \throw InvalidInput if a matched row is out of range or no set of weights.
+/// \param monitor may be null.
+/// \throw InvalidInput if a matched row is out of range or no set of weights; Cancelled if `monitor` asks for it.
 TransferredValues transfer_point(const Correspondence& correspondence, const Triangles& donor_faces,
-                                 const CornerValues& values, TransferMode mode);
+                                 const CornerValues& values, TransferMode mode, Monitor* monitor = nullptr);
 
 /// Connected parts of a triangle mesh under a corner attribute: triangles are joined across an edge if the values at
 /// both of its ends agree; any other edge is a seam.
 ///
 /// Folded, flipped and zero-area UV triangles join like any other; non-manifold edges join all that agree.
 /// \param values 3 #F by k, such as UVs. \param vertices empty, or #V by 3: then vertices of equal position count as
-/// one, so that meshes split along their seams are read as the closed surfaces they are.
-/// \return #F, islands numbered by their first triangle. \throw InvalidInput on wrong sizes, indices, values not
-/// finite.
+/// one, so that meshes split along their seams are read as the closed surfaces they are. \param monitor may be null.
+/// \return #F, islands numbered by their first triangle. O(#F log #F).
+/// \throw InvalidInput on wrong sizes, indices, values not finite; Cancelled if `monitor` asks for it.
 Eigen::VectorXi uv_islands(const Triangles& faces, const CornerValues& values, double tolerance = 1e-6,
-                           const Points& vertices = Points());
+                           const Points& vertices = Points(), Monitor* monitor = nullptr);
 
 /// Find where to read every corner of the receiver so that no receiver triangle (or polygon) spans a seam.
 ///

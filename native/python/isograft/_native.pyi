@@ -137,12 +137,14 @@ def transfer_point(
     donor_faces: npt.NDArray[np.int32],
     values: npt.NDArray[np.float64],
     nearest: bool,
+    progress: Callable[[str, float], Any] | None,
 ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.bool_]]: ...
 def uv_islands(
     faces: npt.NDArray[np.int32],
     values: npt.NDArray[np.float64],
     tolerance: float,
     vertices: npt.NDArray[np.float64],
+    progress: Callable[[str, float], Any] | None,
 ) -> npt.NDArray[np.int32]: ...
 def place_corners(
     face: npt.NDArray[np.int32],
@@ -248,6 +250,7 @@ def corner_groups(
     values: npt.NDArray[np.float64],
     tolerance: float,
     vertices: npt.NDArray[np.float64],
+    progress: Callable[[str, float], Any] | None,
 ) -> npt.NDArray[np.int32]: ...
 def complete_rigid(
     rest: npt.NDArray[np.float64],

@@ -245,12 +245,18 @@ def _beyond_the_square(triangle_uvs: Array, usable: Array) -> list[str]:
 def _colors(
     correspondence: CorrespondenceArrays, receiver: MeshFile, donor: MeshFile, fill: bool, progress: Progress | None
 ) -> tuple[Array, npt.NDArray[np.bool_]]:
-    moved = transfer_point(correspondence, donor.faces, donor.colors)
+    moved = transfer_point(correspondence, donor.faces, donor.colors, progress=part_of(progress, 0.0, 0.3))
     colors: Array = np.where(moved.mask[:, None], moved.values, 0.0)
     made_up = np.zeros(len(colors), bool)
     if fill:
         colors, made_up = fill_point(
-            receiver.vertices, receiver.faces, colors, moved.mask, low=0.0, high=1.0, progress=progress
+            receiver.vertices,
+            receiver.faces,
+            colors,
+            moved.mask,
+            low=0.0,
+            high=1.0,
+            progress=part_of(progress, 0.3, 1.0),
         )
     own = receiver.colors
     if own is not None and own.shape[1] == colors.shape[1]:

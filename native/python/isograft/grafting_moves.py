@@ -90,10 +90,10 @@ class Mover:
         return self.receiver.vertices, self.receiver.faces, self.donor.vertices, self.donor.faces
 
     def _point(self, values: Array, progress: Progress | None) -> Moved:
-        moved = transfer_point(self.correspondence, self.donor.faces, values)
+        moved = transfer_point(self.correspondence, self.donor.faces, values, progress=part_of(progress, 0.0, 0.3))
         result = moved.values
         result[~moved.mask] = np.zeros((), result.dtype)
-        return self._completed(result, np.asarray(moved.mask), progress)
+        return self._completed(result, np.asarray(moved.mask), part_of(progress, 0.3, 1.0))
 
     def _weights(self, values: Array, progress: Progress | None) -> Moved:
         moved = transfer_weights(self.correspondence, self.donor.faces, values)

@@ -159,12 +159,20 @@ Eigen::VectorXi nearest_known(const Points& vertices, const Triangles& faces, co
 }
 
 Eigen::VectorXi corner_groups(const Triangles& faces, const CornerValues& values, double tolerance,
-                              const Points& vertices) {
+                              const Points& vertices, Monitor* monitor) {
     check_faces(faces, vertices.rows() > 0 ? vertices.rows() : std::numeric_limits<int>::max(), "faces");
     check_finite(vertices, "vertices");
     check_corner_values(values, faces.rows(), "corner values");
-    const Triangles welded = weld(vertices, faces);
-    return group_corners(build_seam_graph(welded, values, tolerance), welded, [](int, int) { return true; });
+    Monitor silent;
+    Monitor& watched = monitor != nullptr ? *monitor : silent;
+    watched.report("groups", 0.0);
+    const Triangles welded = weld(vertices, faces, &watched);
+    watched.report("groups", 0.3);
+    const SeamGraph graph = build_seam_graph(welded, values, tolerance, &watched);
+    watched.report("groups", 0.9);
+    Eigen::VectorXi group = group_corners(graph, welded, [](int, int) { return true; }, &watched);
+    watched.report("groups", 1.0);
+    return group;
 }
 
 void CompletionOptions::validate() const {

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "isograft/monitor.h"
 #include "isograft/surface.h"
 #include "isograft/transfer.h"
 
@@ -27,14 +28,16 @@ struct SeamGraph {
 };
 
 /// #F by 3, with every vertex replaced by the first one at the same position; `faces` itself if `vertices` is empty.
-Triangles weld(const Points& vertices, const Triangles& faces);
+/// \param monitor may be null, here and below. \throw Cancelled if it asks for it, here and below.
+Triangles weld(const Points& vertices, const Triangles& faces, Monitor* monitor = nullptr);
 
 /// \param faces #F by 3, welded. \param values 3 #F by k. O(#F log #F).
-SeamGraph build_seam_graph(const Triangles& faces, const CornerValues& values, double tolerance);
+SeamGraph build_seam_graph(const Triangles& faces, const CornerValues& values, double tolerance,
+                           Monitor* monitor = nullptr);
 
 /// The corners at a vertex that are joined by edges without a seam, between triangles that belong `together`.
 /// \param faces as given to build_seam_graph(). \return 3 #F: numbers from 0 by first corner. O(#F).
 Eigen::VectorXi group_corners(const SeamGraph& graph, const Triangles& faces,
-                              const std::function<bool(int f, int g)>& together);
+                              const std::function<bool(int f, int g)>& together, Monitor* monitor = nullptr);
 
 }  // namespace isograft

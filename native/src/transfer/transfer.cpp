@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "base/piece.h"
 #include "isograft/errors.h"
 #include "transfer/checks.h"
 #include "transfer/seams.h"
@@ -13,6 +14,8 @@
 namespace isograft {
 
 namespace {
+
+constexpr Eigen::Index rows_a_check = 1024;
 
 int heaviest(const Eigen::RowVector3d& weights) {
     int corner = 0;
@@ -46,14 +49,19 @@ void CornerTransferOptions::validate() const {
 }
 
 TransferredValues transfer_point(const Correspondence& correspondence, const Triangles& donor_faces,
-                                 const CornerValues& values, TransferMode mode) {
+                                 const CornerValues& values, TransferMode mode, Monitor* monitor) {
     check_faces(donor_faces, values.rows(), "donor_faces");
     check_correspondence(correspondence, donor_faces.rows());
+    Monitor silent;
+    Monitor& watched = monitor != nullptr ? *monitor : silent;
+    watched.report("points", 0.0);
+    Piece whole(watched, 1.0);
     const Eigen::Index count = correspondence.face.rows();
     TransferredValues moved;
     moved.values = CornerValues::Constant(count, values.cols(), std::numeric_limits<double>::quiet_NaN());
     moved.mask = Mask::Constant(count, false);
     for (Eigen::Index v = 0; v < count; ++v) {
+        if (v % rows_a_check == 0) whole.reach(static_cast<double>(v) / static_cast<double>(count));
         const int f = correspondence.face[v];
         const int vertex = correspondence.vertex[v];
         if (f < 0 && vertex < 0) continue;
@@ -75,11 +83,12 @@ TransferredValues transfer_point(const Correspondence& correspondence, const Tri
             }
         }
     }
+    watched.report("points", 1.0);
     return moved;
 }
 
-Eigen::VectorXi uv_islands(const Triangles& faces, const CornerValues& values, double tolerance,
-                           const Points& vertices) {
+Eigen::VectorXi uv_islands(const Triangles& faces, const CornerValues& values, double tolerance, const Points& vertices,
+                           Monitor* monitor) {
     CornerTransferOptions options;
     options.tolerance = tolerance;
     options.validate();
@@ -87,7 +96,14 @@ Eigen::VectorXi uv_islands(const Triangles& faces, const CornerValues& values, d
     check_faces(faces, limit, "faces");
     check_finite(vertices, "vertices");
     check_corner_values(values, faces.rows(), "corner values");
-    return build_seam_graph(weld(vertices, faces), values, tolerance).island;
+    Monitor silent;
+    Monitor& watched = monitor != nullptr ? *monitor : silent;
+    watched.report("islands", 0.0);
+    const Triangles welded = weld(vertices, faces, &watched);
+    watched.report("islands", 0.3);
+    SeamGraph graph = build_seam_graph(welded, values, tolerance, &watched);
+    watched.report("islands", 1.0);
+    return std::move(graph.island);
 }
 
 TransferredUV transfer_corner_uv(const Correspondence& correspondence, const ReceiverMesh& receiver,

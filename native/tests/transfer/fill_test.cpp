@@ -91,6 +91,26 @@ TEST(CompleteRigid, BringsARemovedPartBackUnderARigidMotion) {
     EXPECT_LE((done.values - placed.vertices).rowwise().norm().maxCoeff(), 1e-2);
 }
 
+TEST(CornerGroups, TellHowFarTheyAreAndStopWhenCancelled) {
+    const shapes::Shape shape = shapes::sphere(2);
+    const CornerValues nothing(3 * shape.faces.rows(), 0);
+    std::vector<double> told;
+    Monitor listening([&](const std::string&, double fraction) {
+        told.push_back(fraction);
+        return true;
+    });
+    EXPECT_EQ(corner_groups(shape.faces, nothing, 0.0, shape.vertices, &listening).maxCoeff() + 1,
+              shape.vertices.rows());
+    ASSERT_GE(told.size(), 4U);
+    EXPECT_EQ(told.front(), 0.0);
+    EXPECT_EQ(told.back(), 1.0);
+    EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
+    for (const double end : {0.0, told[1], told[2]}) {
+        Monitor refusing([&](const std::string&, double fraction) { return fraction <= end; });
+        EXPECT_THROW(corner_groups(shape.faces, nothing, 0.0, shape.vertices, &refusing), Cancelled);
+    }
+}
+
 TEST(CompleteRigid, RefusesAndStops) {
     const shapes::Shape rest = shapes::sphere(1);
     Mask known = Mask::Constant(rest.vertices.rows(), true);

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "isograft/transfer.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -100,6 +103,32 @@ TEST(UvIslands, OfAMeshSplitAtItsSeamsJoinOnceVerticesAreWelded) {
     EXPECT_EQ(uv_islands(faces, values, 1e-6, vertices).maxCoeff(), 0);
 }
 
+TEST(UvIslands, TellHowFarTheyAreAndStopWhenCancelled) {
+    const Tube t = tube(6, 10);
+    std::vector<double> told;
+    Monitor listening([&](const std::string&, double fraction) {
+        told.push_back(fraction);
+        return true;
+    });
+    EXPECT_EQ(uv_islands(t.faces, t.uv, 1e-6, t.vertices, &listening), uv_islands(t.faces, t.uv, 1e-6, t.vertices));
+    ASSERT_GE(told.size(), 3U);
+    EXPECT_EQ(told.front(), 0.0);
+    EXPECT_EQ(told.back(), 1.0);
+    EXPECT_TRUE(std::is_sorted(told.begin(), told.end()));
+    Monitor refusing([](const std::string&, double fraction) { return fraction == 0.0; });
+    EXPECT_THROW(uv_islands(t.faces, t.uv, 1e-6, t.vertices, &refusing), Cancelled);
+}
+
+TEST(SeamGraph, StopsInEachOfItsPasses) {
+    const Tube t = tube(6, 10);
+    Monitor monitor;
+    monitor.cancel();
+    EXPECT_THROW(weld(t.vertices, t.faces, &monitor), Cancelled);
+    EXPECT_THROW(build_seam_graph(t.faces, t.uv, 1e-6, &monitor), Cancelled);
+    const SeamGraph graph = build_seam_graph(t.faces, t.uv, 1e-6);
+    EXPECT_THROW(group_corners(graph, t.faces, [](int, int) { return true; }, &monitor), Cancelled);
+}
+
 TEST(TransferCornerUV, ReturnsTheDonorsOwnUvsUnderTheIdentity) {
     const Tube t = tube(6, 10);
     const TransferredUV moved =
@@ -161,6 +190,29 @@ TEST(TransferPoint, RefusesACorrespondenceOfAnotherDonor) {
     Correspondence map = identity(t);
     map.face[3] = static_cast<int>(t.faces.rows());
     EXPECT_THROW(transfer_point(map, t.faces, t.vertices, TransferMode::barycentric), InvalidInput);
+}
+
+TEST(TransferPoint, TellsHowFarItIsRowByRow) {
+    const Tube t = tube(60, 100);
+    Correspondence map = identity(t);
+    Monitor whole;
+    transfer_point(map, t.faces, t.vertices, TransferMode::barycentric, &whole);
+    EXPECT_EQ(whole.fraction(), 1.0);
+    // The last vertex is refused when the others are done.
+    const Eigen::Index last = t.vertices.rows() - 1;
+    map.face[last] = -1;
+    map.vertex[last] = static_cast<int>(t.vertices.rows());
+    Monitor most;
+    EXPECT_THROW(transfer_point(map, t.faces, t.vertices, TransferMode::barycentric, &most), InvalidInput);
+    EXPECT_GT(most.fraction(), 0.8);
+    EXPECT_LT(most.fraction(), 1.0);
+}
+
+TEST(TransferPoint, StopsWhenCancelled) {
+    const Tube t = tube(2, 4);
+    Monitor monitor;
+    monitor.cancel();
+    EXPECT_THROW(transfer_point(identity(t), t.faces, t.vertices, TransferMode::nearest, &monitor), Cancelled);
 }
 
 }  // namespace isograft

@@ -39,7 +39,12 @@ class TransferredUV(NamedTuple):
 
 
 def transfer_point(
-    correspondence: CorrespondenceArrays, donor_faces: Any, values: Any, *, mode: Mode = "auto"
+    correspondence: CorrespondenceArrays,
+    donor_faces: Any,
+    values: Any,
+    *,
+    mode: Mode = "auto",
+    progress: Progress | None = None,
 ) -> TransferredValues:
     """Move values from the donor's vertices to the receiver's.
 
@@ -50,9 +55,11 @@ def transfer_point(
         values: (V,) or (V, ...) per donor vertex: floats, integers, booleans or strings.
         mode: "barycentric" (weighted mean; integers are rounded), "nearest" (the corner with the largest weight), or
             "auto": barycentric for floats, nearest for anything else.
+        progress: called with (stage, fraction) now and then; returning False cancels.
 
     Raises:
         InvalidInput: arrays that do not fit each other.
+        Cancelled: `progress` returned False.
     """
     data = np.asarray(values)
     if data.ndim == 0:
@@ -62,16 +69,23 @@ def transfer_point(
     if is_nearest(data, mode):
         # Whatever the type, the row number is moved and the rows are then picked.
         rows = np.arange(len(data), dtype=np.float64).reshape(-1, 1)
-        moved, mask = _native.transfer_point(face, barycentric, vertex, faces, rows, True)
+        moved, mask = _native.transfer_point(face, barycentric, vertex, faces, rows, True, progress)
         missing = np.nan if data.dtype.kind == "f" else None
         return TransferredValues(pick_rows(data, moved[:, 0], mask, missing), mask)
-    moved, mask = _native.transfer_point(face, barycentric, vertex, faces, value_columns(data), False)
+    moved, mask = _native.transfer_point(face, barycentric, vertex, faces, value_columns(data), False, progress)
     if data.dtype.kind != "f":
         moved[~mask] = 0.0
     return TransferredValues(as_type(moved, data, len(mask)), mask)
 
 
-def uv_islands(faces: Any, corner_uv: Any, tolerance: float = 1e-6, *, vertices: Any = None) -> npt.NDArray[np.int32]:
+def uv_islands(
+    faces: Any,
+    corner_uv: Any,
+    tolerance: float = 1e-6,
+    *,
+    vertices: Any = None,
+    progress: Progress | None = None,
+) -> npt.NDArray[np.int32]:
     """Island of every triangle: triangles are joined across an edge if the UVs at both of its ends agree.
 
     Folded, flipped and zero-area UV triangles join like any other; non-manifold edges join all that agree.
@@ -81,17 +95,19 @@ def uv_islands(faces: Any, corner_uv: Any, tolerance: float = 1e-6, *, vertices:
         corner_uv: (3 F, 2) or (F, 3, 2); any other corner values of floats do as well.
         tolerance: largest difference of UVs that are still equal.
         vertices: (V, 3); if given, vertices of equal position count as one.
+        progress: called with (stage, fraction) now and then; returning False cancels.
 
     Returns:
         (F,) int32, islands numbered by their first triangle.
 
     Raises:
         InvalidInput: arrays that do not fit each other, values that are not finite.
+        Cancelled: `progress` returned False.
     """
     triangles = triangle_rows(faces, "faces")
     corner_values = value_columns(corner_rows(corner_uv, len(triangles), "corner_uv"))
     points = np.zeros((0, 3)) if vertices is None else point_rows(vertices, "vertices")
-    islands: npt.NDArray[np.int32] = _native.uv_islands(triangles, corner_values, tolerance, points)
+    islands: npt.NDArray[np.int32] = _native.uv_islands(triangles, corner_values, tolerance, points, progress)
     return islands
 
 

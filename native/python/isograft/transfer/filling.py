@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from isograft import _native
+from isograft.progress import part_of
 from isograft.transfer.arrays import (
     Array,
     Progress,
@@ -20,6 +21,9 @@ from isograft.transfer.arrays import (
     triangle_rows,
     value_columns,
 )
+
+# Share of fill_corner() that cuts the mesh open along its seams.
+_SPLITTING = 0.3
 
 
 class Filled(NamedTuple):
@@ -108,7 +112,7 @@ def fill_corner(
         raise _native.InvalidInput(f"known: expected {len(triangles)} booleans, one per triangle, got {mask.shape}")
     smooth = data.dtype.kind == "f"
     compared = value_columns(data) if smooth else row_codes(data)
-    split = _split(points, triangles, compared, mask, tolerance if smooth else 0.0)
+    split = _split(points, triangles, compared, mask, tolerance if smooth else 0.0, part_of(progress, 0.0, _SPLITTING))
     count = int(split.max(initial=-1)) + 1
     corner = np.flatnonzero(np.repeat(mask, 3))
     # One known value per split vertex: of the first corner, so that the result does not depend on an order.
@@ -118,7 +122,7 @@ def fill_corner(
     split_points[split.ravel()] = points[triangles.ravel()]
     split_values = np.zeros((count, *data.shape[1:]), data.dtype)
     split_values[first >= 0] = data[first[first >= 0]]
-    result = fill_point(split_points, split, split_values, first >= 0, progress=progress)
+    result = fill_point(split_points, split, split_values, first >= 0, progress=part_of(progress, _SPLITTING, 1.0))
     reached = (result.filled | (first >= 0))[split].all(axis=1)
     filled = ~mask & reached
     corners = np.repeat(filled, 3)
@@ -178,7 +182,9 @@ def fill_face(
     return Filled(result, filled)
 
 
-def _split(points: Array, triangles: Array, compared: Array, mask: Array, tolerance: float) -> Array:
+def _split(
+    points: Array, triangles: Array, compared: Array, mask: Array, tolerance: float, progress: Progress | None
+) -> Array:
     """(F, 3) vertices of the mesh cut open along its seams, every hole sewn to one island only."""
     vertex = _positions(points)[triangles]
     split = np.full(triangles.shape, -1, np.int64)
@@ -186,17 +192,27 @@ def _split(points: Array, triangles: Array, compared: Array, mask: Array, tolera
     known = np.flatnonzero(mask)
     if len(known):
         corners = compared.reshape(len(triangles), 3, -1)[known].reshape(3 * len(known), -1)
-        groups = _native.corner_groups(triangles[known], np.ascontiguousarray(corners), tolerance, points)
+        groups = _native.corner_groups(
+            triangles[known], np.ascontiguousarray(corners), tolerance, points, part_of(progress, 0.0, 0.4)
+        )
         split[known] = groups.reshape(-1, 3)
     count = int(groups.max(initial=-1)) + 1
     unknown = np.flatnonzero(~mask)
     if not len(unknown):
         return split.astype(np.int32)
     hole = np.zeros(len(triangles), np.int64)
-    hole[unknown] = _native.uv_islands(vertex[unknown].astype(np.int32), np.zeros((3 * len(unknown), 0)), 0.0, points)
+    hole[unknown] = _native.uv_islands(
+        vertex[unknown].astype(np.int32),
+        np.zeros((3 * len(unknown), 0)),
+        0.0,
+        points,
+        part_of(progress, 0.4, 0.6),
+    )
     island = np.full(len(triangles), -1, np.int64)
     if len(known):
-        island[known] = _native.uv_islands(triangles[known], np.ascontiguousarray(corners), tolerance, points)
+        island[known] = _native.uv_islands(
+            triangles[known], np.ascontiguousarray(corners), tolerance, points, part_of(progress, 0.6, 1.0)
+        )
     border, other = _border(vertex, mask)
     chosen = _longest(points, triangles, border, hole[border[:, 0]], island[other[:, 0]])
     # At the border a hole's vertex is that of the chosen island, elsewhere one of its own.

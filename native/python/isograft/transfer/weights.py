@@ -51,7 +51,7 @@ def transfer_weights(
     faces = triangle_rows(donor_faces, "donor_faces")
     # The one place that checks a correspondence against its donor; no column is moved there.
     nothing = np.zeros((len(weights), 0))
-    _, mask = _native.transfer_point(face, barycentric, vertex, faces, nothing, False)
+    _, mask = _native.transfer_point(face, barycentric, vertex, faces, nothing, False, None)
     moved = np.zeros((len(face), weights.shape[1]), weights.dtype)
     for start in range(0, len(face), _ROWS):
         rows = slice(start, start + _ROWS)
