@@ -45,6 +45,24 @@ def test_a_point_cloud_gives_the_weights_of_the_nearest_vertex():
     assert mask.tolist() == [True, False, True]
 
 
+def test_moving_weights_tells_how_far_it_is_and_stops_when_asked_to():
+    # More rows than are moved at a time.
+    count = 70_000
+    correspondence = SimpleNamespace(
+        face=np.arange(count) % len(FACES), barycentric=np.full((count, 3), 1 / 3), vertex=np.full(count, -1)
+    )
+    weights = RANDOM.random((len(VERTICES), 2))
+    told = []
+    moved = transfer_weights(correspondence, FACES, weights, progress=lambda *step: told.append(step))
+    np.testing.assert_array_equal(moved.values, transfer_weights(correspondence, FACES, weights).values)
+    fractions = [fraction for _, fraction in told]
+    assert fractions == sorted(fractions) and fractions[0] == 0.0 and fractions[-1] == 1.0
+    assert len({fraction for stage, fraction in told if stage == "weights"}) >= 4
+    for end in fractions[:-1]:
+        with pytest.raises(isograft.Cancelled):
+            transfer_weights(correspondence, FACES, weights, progress=lambda _, at, end=end: at < end)
+
+
 @pytest.mark.parametrize("mode", MIX_MODES)
 def test_each_mode_follows_its_formula(mode):
     mix = 0.4

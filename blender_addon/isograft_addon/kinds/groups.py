@@ -64,8 +64,9 @@ class Groups(Kind):
     def compute(self) -> None:
         """Move, fill, mix, limit, normalise."""
         pair, settings = self.pair, self.settings
-        self.step()
-        moved = transfer.transfer_weights(pair.correspondence, pair.given.triangles, self.gift.weights)
+        moved = transfer.transfer_weights(
+            pair.correspondence, pair.given.triangles, self.gift.weights, progress=self.step()
+        )
         values, self._rows = np.asarray(moved.values), np.asarray(moved.mask)
         if settings.fill:
             values, self._rows, filled = fill_points(pair, values, self._rows, self.hold, low=0.0, high=1.0)

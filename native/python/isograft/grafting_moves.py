@@ -96,8 +96,9 @@ class Mover:
         return self._completed(result, np.asarray(moved.mask), part_of(progress, 0.3, 1.0))
 
     def _weights(self, values: Array, progress: Progress | None) -> Moved:
-        moved = transfer_weights(self.correspondence, self.donor.faces, values)
-        return self._completed(moved.values, np.asarray(moved.mask), progress, low=0.0, high=1.0)
+        moved = transfer_weights(self.correspondence, self.donor.faces, values, progress=part_of(progress, 0.0, 0.3))
+        rest = part_of(progress, 0.3, 1.0)
+        return self._completed(moved.values, np.asarray(moved.mask), rest, low=0.0, high=1.0)
 
     def _completed(self, values: Array, known: Bools, progress: Progress | None, **limits: float) -> Moved:
         if not self._to_fill(known):

@@ -12,9 +12,11 @@ import numpy as np
 import numpy.typing as npt
 
 from isograft import _native
+from isograft.progress import part_of, tell
 from isograft.transfer.arrays import (
     Array,
     CorrespondenceArrays,
+    Progress,
     TransferredValues,
     correspondence_arrays,
     triangle_rows,
@@ -27,10 +29,16 @@ MIX_MODES: tuple[MixMode, ...] = (
 
 # Rows at a time: so that a matrix of many groups is never held several times.
 _ROWS = 1 << 15
+# Share of transfer_weights() that checks the correspondence.
+_CHECKING = 0.2
 
 
 def transfer_weights(
-    correspondence: CorrespondenceArrays, donor_faces: Any, donor_weights: npt.ArrayLike
+    correspondence: CorrespondenceArrays,
+    donor_faces: Any,
+    donor_weights: npt.ArrayLike,
+    *,
+    progress: Progress | None = None,
 ) -> TransferredValues:
     """Move vertex-group weights from the donor's vertices to the receiver's.
 
@@ -38,6 +46,7 @@ def transfer_weights(
         correspondence: receiver to donor; a point cloud's `vertex` will do.
         donor_faces: (G, 3) triangles that `correspondence.face` counts; None for a point cloud.
         donor_weights: (m, k) finite numbers >= 0.
+        progress: called with (stage, fraction) now and then; returning False cancels.
 
     Returns:
         (n, k) weighted means, 0 where unmatched (float32 stays float32), and the mask of matched vertices. A vertex
@@ -45,15 +54,21 @@ def transfer_weights(
 
     Raises:
         InvalidInput: arrays that do not fit each other; weights that are negative or not finite.
+        Cancelled: `progress` returned False.
     """
+    tell(progress, "weights", 0.0)
     weights = _weights(donor_weights, "donor_weights")
     face, barycentric, vertex = correspondence_arrays(correspondence)
     faces = triangle_rows(donor_faces, "donor_faces")
     # The one place that checks a correspondence against its donor; no column is moved there.
     nothing = np.zeros((len(weights), 0))
-    _, mask = _native.transfer_point(face, barycentric, vertex, faces, nothing, False, None)
+    _, mask = _native.transfer_point(
+        face, barycentric, vertex, faces, nothing, False, part_of(progress, 0.0, _CHECKING)
+    )
     moved = np.zeros((len(face), weights.shape[1]), weights.dtype)
+    moving = part_of(progress, _CHECKING, 1.0)
     for start in range(0, len(face), _ROWS):
+        tell(moving, "weights", start / len(face))
         rows = slice(start, start + _ROWS)
         on_face = face[rows] >= 0
         on_vertex = mask[rows] & ~on_face
@@ -63,6 +78,7 @@ def transfer_weights(
         part = moved[rows]
         part[on_face] = sum(shares[:, c, None] * weights[corners[:, c]] for c in range(3))
         part[on_vertex] = weights[vertex[rows][on_vertex]]
+    tell(progress, "weights", 1.0)
     return TransferredValues(moved, mask)
 
 
