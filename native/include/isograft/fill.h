@@ -13,7 +13,9 @@ namespace isograft {
 ///
 /// Connected parts without any known vertex, and vertices of no triangle, keep the values they came with.
 /// One sparse Cholesky factorisation of the unknown vertices for all columns: near O(n log n) for bands and small
-/// holes, O(n^1.5) for a large one.
+/// holes. Meshes with a hole of more than 50,000 vertices are solved nearly instead, by a reduced space and a fixed
+/// number of conjugate gradients: near O(n log n), within 1e-4 to 2e-3 of the exact values where that was measured.
+/// Linear functions of a plane are kept by both.
 /// \param values #V by k, finite where `known`. \param known #V. \param monitor may be null.
 /// \return values, and in the mask which vertices were filled.
 /// \throw InvalidInput on sizes, indices or values that do not fit; Cancelled.

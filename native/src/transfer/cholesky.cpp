@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "isograft/errors.h"
+
 namespace isograft {
 
 namespace {
@@ -108,6 +110,12 @@ CornerValues Cholesky::solve(const CornerValues& right, Monitor& monitor) const 
         for (std::size_t at = first_[k]; at < first_[k + 1]; ++at) x.row(k) -= value_[at] * x.row(row_[at]);
     }
     return order_ * x;
+}
+
+Cholesky factorised(const RowMatrix& matrix, Piece piece) {
+    Cholesky factor(matrix, piece);
+    if (!factor.usable()) throw InvalidInput("the mesh is too degenerate to fill: remove zero-area faces");
+    return factor;
 }
 
 }  // namespace isograft

@@ -42,4 +42,7 @@ class Cholesky {
     bool usable_ = true;
 };
 
+/// The same of a mesh's Laplacian or thin plate. \throw InvalidInput if the mesh is too degenerate for it; Cancelled.
+Cholesky factorised(const RowMatrix& matrix, Piece piece);
+
 }  // namespace isograft

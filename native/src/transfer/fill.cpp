@@ -15,6 +15,7 @@
 #include "transfer/cholesky.h"
 #include "transfer/laplacian.h"
 #include "transfer/seams.h"
+#include "transfer/thin_plate.h"
 #include "transfer/vertex_graph.h"
 
 namespace isograft {
@@ -42,39 +43,6 @@ void check(const Points& vertices, const Triangles& faces, const CornerValues& v
         if (!known[v] || values.row(v).array().isFinite().all()) continue;
         throw InvalidInput("`values` holds NaN or infinity in row " + std::to_string(v) + ", which is known");
     }
-}
-
-Cholesky factorise(const Eigen::SparseMatrix<double>& matrix, Piece piece) {
-    Cholesky factor{RowMatrix(matrix), piece};
-    if (!factor.usable()) throw InvalidInput("the mesh is too degenerate to fill: remove zero-area faces");
-    return factor;
-}
-
-// What every known vertex has, 0 elsewhere.
-Eigen::MatrixXd known_values(const CornerValues& values, const Mask& known) {
-    Eigen::MatrixXd result = Eigen::MatrixXd::Zero(values.rows(), values.cols());
-    for (Eigen::Index v = 0; v < known.rows(); ++v) {
-        if (known[v]) result.row(v) = values.row(v);
-    }
-    return result;
-}
-
-void fill_unknowns(const Eigen::SparseMatrix<double>& energy, const Unknowns& unknowns, const Mask& known,
-                   CornerValues& values, Piece piece) {
-    const Cholesky factor = factorise(unknowns.block(energy), piece.until(0.9));
-    const Eigen::MatrixXd pull = energy * known_values(values, known);
-    CornerValues right(unknowns.count(), values.cols());
-    for (Eigen::Index i = 0; i < unknowns.count(); ++i) right.row(i) = -pull.row(unknowns.vertex[i]);
-    piece.check();
-    const CornerValues solved = factor.solve(right, piece.monitor());
-    for (Eigen::Index i = 0; i < unknowns.count(); ++i) values.row(unknowns.vertex[i]) = solved.row(i);
-}
-
-Eigen::SparseMatrix<double> bilaplacian(const Points& vertices, const Triangles& faces, Monitor& monitor) {
-    const RowMatrix first(laplacian(vertices, faces));
-    monitor.check();
-    const RowMatrix even = vertex_areas(vertices, faces).cwiseInverse().asDiagonal() * first;
-    return Eigen::SparseMatrix<double>(multiply(first, even, monitor));
 }
 
 // One fit of rotations to the edges around every vertex, and the right-hand side that they ask for.
@@ -136,7 +104,9 @@ TransferredValues fill_smooth(const Points& vertices, const Triangles& faces, co
     const Unknowns unknowns(faces, known);
     TransferredValues filled{values, unknowns.mask()};
     if (unknowns.count() > 0) {
-        fill_unknowns(bilaplacian(vertices, faces, watched), unknowns, known, filled.values, Piece(watched, 1.0));
+        const CornerValues solved =
+            thin_plate(vertices, faces, laplacian(vertices, faces), unknowns, values, large_hole, Piece(watched, 1.0));
+        for (Eigen::Index i = 0; i < unknowns.count(); ++i) filled.values.row(unknowns.vertex[i]) = solved.row(i);
     }
     watched.report("fill", 1.0);
     return filled;
@@ -192,15 +162,18 @@ TransferredValues complete_rigid(const Points& rest, const Triangles& faces, con
     TransferredValues result{placed, unknowns.mask()};
     if (unknowns.count() == 0) return result;
 
-    // A start that is smooth: displacements, so that a shape moved as a whole is met at once.
-    CornerValues moved = placed - sized;
-    fill_unknowns(bilaplacian(sized, faces, watched), unknowns, known, moved, Piece(watched, 0.4));
-    watched.report("complete", 0.4);
-    for (const int v : unknowns.vertex) result.values.row(v) = sized.row(v) + moved.row(v);
-
     const RigidEnergy energy(sized, faces);
-    const Cholesky factor = factorise(unknowns.block(energy.matrix()), Piece(watched, 0.1));
-    const Eigen::MatrixXd pull = energy.matrix() * known_values(result.values, known);
+    // A start that is smooth: displacements, so that a shape moved as a whole is met at once.
+    const CornerValues moved =
+        thin_plate(sized, faces, energy.matrix(), unknowns, placed - sized, large_hole, Piece(watched, 0.4));
+    watched.report("complete", 0.4);
+    for (Eigen::Index i = 0; i < unknowns.count(); ++i) {
+        const int v = unknowns.vertex[i];
+        result.values.row(v) = sized.row(v) + moved.row(i);
+    }
+
+    const Cholesky factor = factorised(RowMatrix(unknowns.block(energy.matrix())), Piece(watched, 0.1));
+    const Eigen::MatrixXd pull = energy.matrix() * unknowns.zeroed(result.values);
     const double size = (sized.colwise().maxCoeff() - sized.colwise().minCoeff()).norm();
     CornerValues right(unknowns.count(), 3);
     for (int round = 0; round < options.iterations; ++round) {

@@ -100,6 +100,32 @@ Eigen::SparseMatrix<double> Unknowns::block(const Eigen::SparseMatrix<double>& m
     return result;
 }
 
+CornerValues Unknowns::zeroed(const CornerValues& values) const {
+    CornerValues result = values;
+    for (const int v : vertex) result.row(v).setZero();
+    return result;
+}
+
+Eigen::Index Unknowns::largest_hole(const Eigen::SparseMatrix<double>& laplacian) const {
+    std::vector<char> is_seen(slot.size(), 0);
+    std::vector<int> hole;
+    std::size_t largest = 0;
+    for (const int start : vertex) {
+        if (is_seen[start] != 0) continue;
+        is_seen[start] = 1;
+        hole.assign(1, start);
+        for (std::size_t at = 0; at < hole.size(); ++at) {
+            for (Eigen::SparseMatrix<double>::InnerIterator it(laplacian, hole[at]); it; ++it) {
+                if (slot[it.row()] < 0 || is_seen[it.row()] != 0) continue;
+                is_seen[it.row()] = 1;
+                hole.push_back(static_cast<int>(it.row()));
+            }
+        }
+        largest = std::max(largest, hole.size());
+    }
+    return static_cast<Eigen::Index>(largest);
+}
+
 Mask Unknowns::mask() const {
     Mask result = Mask::Constant(static_cast<Eigen::Index>(slot.size()), false);
     for (const int v : vertex) result[v] = true;

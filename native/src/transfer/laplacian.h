@@ -32,7 +32,11 @@ struct Unknowns {
     [[nodiscard]] Eigen::Index count() const { return static_cast<Eigen::Index>(vertex.size()); }
     /// The rows and columns of the unknowns.
     [[nodiscard]] Eigen::SparseMatrix<double> block(const Eigen::SparseMatrix<double>& matrix) const;
+    /// \param values #V by k. \return the same, 0 at the unknowns.
+    [[nodiscard]] CornerValues zeroed(const CornerValues& values) const;
     [[nodiscard]] Mask mask() const;
+    /// Vertices of the largest hole: unknowns that hang together by the edges of laplacian(). O(#V).
+    [[nodiscard]] Eigen::Index largest_hole(const Eigen::SparseMatrix<double>& laplacian) const;
 };
 
 }  // namespace isograft
