@@ -14,7 +14,7 @@ namespace isograft {
 /// Connected parts without any known vertex, and vertices of no triangle, keep the values they came with.
 /// One sparse Cholesky factorisation of the unknown vertices for all columns: near O(n log n) for bands and small
 /// holes. Meshes with a hole of more than 50,000 vertices are solved nearly instead, by a reduced space and a fixed
-/// number of conjugate gradients: near O(n log n), within 1e-4 to 2e-3 of the exact values where that was measured.
+/// number of conjugate gradients: near O(n log n), within 4e-3 of the largest value where that was measured.
 /// Linear functions of a plane are kept by both.
 /// \param values #V by k, finite where `known`. \param known #V. \param monitor may be null.
 /// \return values, and in the mask which vertices were filled.
