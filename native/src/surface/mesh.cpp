@@ -242,9 +242,26 @@ TriangleMesh in_order_of_place(const TriangleMesh& mesh, const std::vector<Eigen
     const auto slice = [&](int v) {
         return static_cast<int>((slices - 1) * ((position[v].z() - low) / std::max(high - low, 1e-300)));
     };
+    // Copies of a vertex that was split lie in one place: the one with the lowest triangle goes first.
+    const auto lowest = [&](int v) {
+        std::array<double, 9> result{};
+        for (int i = mesh.vertex_face_begin[v]; i < mesh.vertex_face_begin[v + 1]; ++i) {
+            std::array<std::array<double, 3>, 3> corners;
+            for (int k = 0; k < 3; ++k) {
+                const auto& p = position[mesh.face[mesh.vertex_face[i]][k]];
+                corners[k] = {p.z(), p.y(), p.x()};
+            }
+            std::sort(corners.begin(), corners.end());
+            std::array<double, 9> key;
+            for (int k = 0; k < 9; ++k) key[k] = corners[k / 3][k % 3];
+            if (i == mesh.vertex_face_begin[v] || key < result) result = key;
+        }
+        return result;
+    };
     const auto before = [&](int a, int b) {
         const auto &p = position[a], &q = position[b];
-        return std::tie(p.z(), p.y(), p.x(), a) < std::tie(q.z(), q.y(), q.x(), b);
+        if (p != q) return std::tie(p.z(), p.y(), p.x()) < std::tie(q.z(), q.y(), q.x());
+        return a != b && std::pair(lowest(a), a) < std::pair(lowest(b), b);
     };
     std::vector<int> order(mesh.vertex_count());
     std::iota(order.begin(), order.end(), 0);

@@ -80,7 +80,8 @@ TriangleMesh build_mesh(const std::vector<Eigen::Vector3d>& position, const std:
 TriangleMesh with_positions(const TriangleMesh& mesh, std::vector<Eigen::Vector3d> position, Monitor& monitor);
 
 /// with_positions(), in an order that hangs on these places alone, whatever the numbering was: vertices along the last
-/// coordinate, triangles by their corners, each from its first vertex on. Vertices in one place keep their order.
+/// coordinate, triangles by their corners, each from its first vertex on. Vertices in one place stand in the
+/// order of their lowest triangles.
 /// \param position as above. O(#V log #V). \throw Cancelled if `monitor` asks for it.
 TriangleMesh in_order_of_place(const TriangleMesh& mesh, const std::vector<Eigen::Vector3d>& position,
                                Monitor& monitor);

@@ -64,10 +64,27 @@ TEST(OwnFrame, UndoesEveryMotionToTheLastBit) {
     }
 }
 
+/// Two bodies with one vertex in common, which the gate splits.
+shapes::Shape touching() {
+    const shapes::Shape a = shapes::blob(3);
+    const Eigen::Index first = a.vertices.rows();
+    Eigen::Index tip = 0;
+    a.vertices.col(0).maxCoeff(&tip);
+    shapes::Shape b = shapes::blob(2);
+    b.vertices.rowwise() += a.vertices.row(tip) - b.vertices.row(0);
+    shapes::Shape both = shapes::joined(a, b);
+    for (Eigen::Index f = 0; f < both.faces.rows(); ++f) {
+        for (int k = 0; k < 3; ++k) {
+            if (both.faces(f, k) == first) both.faces(f, k) = static_cast<int>(tip);
+        }
+    }
+    return both;
+}
+
 TEST(OwnFrame, UndoesEveryRenumberingToTheLastBit) {
     const shapes::Shape pieces =
         shapes::joined(shapes::blob(3), shapes::moved(shapes::blob(2), turn_by(1.0, {1, 0, 0}), {0.7, 3.0, 0.2}));
-    for (const shapes::Shape& shape : {shapes::blob(4), two_sided(), sheet(), pieces}) {
+    for (const shapes::Shape& shape : {shapes::blob(4), two_sided(), sheet(), pieces, touching()}) {
         const TriangleMesh here = in_own_frame(shape);
         for (const int seed : {3, 4, 5}) {
             const auto other = shapes::renumbered(shape, seed);
