@@ -108,6 +108,31 @@ def test_landmarks_alone_lead_both_engines(blob: surfaces.Mesh) -> None:
         assert found.best.coverage > 0.8, preset
 
 
+@pytest.mark.parametrize("only", [False, True])
+def test_two_landmarks_decide_where_the_shape_cannot(only: bool) -> None:
+    # A sheet of twice the length lies on itself in two ways, and at every place as well as at any other.
+    x, y = (side.ravel() for side in np.meshgrid(np.linspace(0.0, 1.0, 49), np.linspace(0.0, 0.5, 25)))
+    sheet = np.stack([x, y, np.zeros_like(x)], axis=1)
+    corner = (49 * np.arange(24)[:, None] + np.arange(48)).ravel()
+    faces = np.concatenate([corner[:, None] + (0, 1, 50), corner[:, None] + (0, 50, 49)])
+    near, far = 49 * 4 + 4, 49 * 18 + 40
+    for marks, wanted in ([[near, near], [far, far]], sheet), ([[near, 1224 - near], [far, 1224 - far]], sheet[::-1]):
+        found = isograft.match(
+            (sheet, faces), (sheet, faces), preset="fast", landmarks=marks, threads=2, seed_landmarks_only=only
+        )
+        errors = np.linalg.norm(found.best.points - wanted, axis=1)
+        assert found.best.coverage > 0.7
+        assert np.nanmax(errors) < 0.1
+
+
+def test_landmarks_that_contradict_the_shape_are_outvoted(blob: surfaces.Mesh) -> None:
+    wrong = [[v, int(np.argmax(np.linalg.norm(blob[0] - blob[0][v], axis=1)))] for v in (0, 500, 1500)]
+    found = isograft.match(blob, blob, preset="fast", scale="fixed", landmarks=[*wrong, [40, 40]], threads=2)
+    errors = np.linalg.norm(found.best.points - blob[0], axis=1)
+    assert found.best.coverage > 0.8
+    assert np.nanmean(errors < 0.1) > 0.9
+
+
 def test_landmarks_alone_without_landmarks_are_refused(blob: surfaces.Mesh) -> None:
     with pytest.raises(isograft.InvalidInput, match="landmarks_only needs landmarks"):
         isograft.match(blob, blob, preset="fast", seed_landmarks_only=True)

@@ -13,6 +13,7 @@
 #include "blend/blend.h"
 #include "blend/core.h"
 #include "blend/core_scale.h"
+#include "blend/landmarks.h"
 #include "blend/merge.h"
 #include "dense/densify.h"
 #include "dense/refine.h"
@@ -90,7 +91,14 @@ Grown grow(const Pair& pair, const PatchSettings& settings, const MatchOptions& 
     grown.patches = grow_patches(pair, settings, seeds, forced, monitor, seeded, to);
     // A patch's vote is exp(-2 quality).
     for (int i = 0; i < forced; ++i) grown.patches[i].quality -= 0.5 * std::log(options.landmarks[i].weight);
-    grown.cores = find_cores(grown.patches, options.blend);
+    // Of one that puts all landmarks elsewhere, a twentieth is left.
+    for (Patch& patch : grown.patches) {
+        const Heed heeded = heed(patch.map, pair, settings.landmarks);
+        if (heeded.broken > 0.0) {
+            patch.quality -= 0.5 * std::log(1.0 - 0.95 * heeded.broken / (heeded.kept + heeded.broken));
+        }
+    }
+    grown.cores = find_cores(grown.patches, options.blend, forced);
     grown.seeds = std::min(static_cast<int>(seeds.size()), options.seed.probes + forced);
     return grown;
 }
@@ -136,29 +144,6 @@ bool bears_out(const Grown& corrected, const Grown& before, double scale) {
 // after it. Of 97 pairs with a known truth, vertices with 1 - doubt = 0.58, 0.73, 0.84, 0.94 and 0.99 were then right
 // in 0.59, 0.71, 0.78, 0.90 and 0.98 of the cases: of what was off, the refinement mends nearly half.
 double confidence_of(double doubt) { return 0.45 + 0.54 * std::pow(1.0 - doubt, 2.45); }
-
-// Share of the landmarks' weight that a map honours; of those it leaves out, half.
-double honoured(const PartialMap& map, const Pair& pair, const std::vector<Landmark>& landmarks) {
-    constexpr double near = 0.1;
-    double all = 0.0, kept = 0.0;
-    for (std::size_t i = 0; i < landmarks.size(); ++i) {
-        all += landmarks[i].weight;
-        if (map.mapped[i] == 0) {
-            kept += 0.5 * landmarks[i].weight;
-        } else if ((map.position[i] - pair.target.samples.position[i]).norm() < near) {
-            kept += landmarks[i].weight;
-        }
-    }
-    return all > 0.0 ? kept / all : 1.0;
-}
-
-// Where a surface maps onto itself, the landmarks tell which of its maps is wanted. They are the first samples.
-void let_landmarks_choose(std::vector<Blended>& answers, const Pair& pair, const std::vector<Landmark>& landmarks) {
-    if (landmarks.empty()) return;
-    for (Blended& answer : answers) answer.score *= honoured(answer.map, pair, landmarks);
-    std::stable_sort(answers.begin(), answers.end(),
-                     [](const Blended& a, const Blended& b) { return a.score > b.score; });
-}
 
 void warn_of_answers(const std::vector<Blended>& answers, MatchReport& report) {
     if (answers.front().map.count == 0) {
@@ -284,7 +269,8 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
     finish = refining + costs.dense(points);
     const double carry = costs.answers(1) + perhaps + finish;
 
-    const PatchSettings settings{options.feature, options.seed, options.growth, options.blend, options.threads};
+    PatchSettings settings{options.feature, options.seed, options.growth, options.blend, options.threads, {}};
+    for (const Landmark& landmark : options.landmarks) settings.landmarks.push_back(landmark.weight);
     double at = watcher.fraction();
     const double rest = blending + perhaps + finish;
     double until = end_of_part(at, 1.0, costs.growth(), rest);
@@ -315,7 +301,6 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
     until = end_of_part(completed, 1.0, costs.answers(1), perhaps + finish);
     std::vector<Blended> answers = blend(pair, settings, grown.patches, grown.cores, watcher, at, completed, until);
     report.maps_in_core = answers.front().maps_in_core;
-    let_landmarks_choose(answers, pair, options.landmarks);
     lap("blend", map_bytes * static_cast<std::int64_t>(answers.size()));
     for (int attempt = 1; attempt < options.blend.attempts && answers.front().fit < options.blend.content; ++attempt) {
         expected += another;
@@ -333,7 +318,6 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
         std::vector<Blended> found =
             blend(other, settings, again.patches, again.cores, watcher, until,
                   end_of_part(until, end, costs.cores(options.blend.cores), costs.answers(1)), end);
-        let_landmarks_choose(found, other, options.landmarks);
         lap("blend", map_bytes * static_cast<std::int64_t>(found.size()));
         if (found.front().fit <= answers.front().fit) continue;
         pair = std::move(other);

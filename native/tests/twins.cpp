@@ -40,7 +40,7 @@ const Twins& Twins::of_a_blob() {
 }
 
 PatchSettings Twins::settings() const {
-    return {options_.feature, options_.seed, options_.growth, options_.blend, options_.threads};
+    return {options_.feature, options_.seed, options_.growth, options_.blend, options_.threads, {}};
 }
 
 Eigen::Vector3d Twins::truth(const Eigen::Vector3d& x) const { return turn_ * x + shift_ / prepared_.unit; }

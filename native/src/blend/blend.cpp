@@ -12,6 +12,7 @@
 #include "blend/completion.h"
 #include "blend/contest.h"
 #include "blend/core.h"
+#include "blend/landmarks.h"
 #include "blend/pocket.h"
 
 namespace isograft {
@@ -32,10 +33,15 @@ struct Contender {
     /// Before and after the free extension.
     PartialMap careful, free;
     MapQuality quality;
+    Heed heed;
     double score = -1.0;
+
+    // Landmarks outweigh what the surfaces say: a plane has no shape that could fit.
+    [[nodiscard]] bool believable() const { return fits(quality) || heed.vouched(); }
 };
 
-void complete(Contender& contender, const Core& core, int rounds, Piece progress) {
+void complete(Contender& contender, const Core& core, const Pair& pair, const PatchSettings& settings, Piece progress) {
+    const int rounds = settings.blend.rounds;
     Completion& completion = *contender.completion;
     completion.start(core);
     progress.reach(0.1);
@@ -49,7 +55,8 @@ void complete(Contender& contender, const Core& core, int rounds, Piece progress
     completion.extend(1.0);
     progress.reach(0.95);
     contender.quality = completion.quality();
-    contender.score = choice_score(contender.quality);
+    contender.heed = heed(completion.map(), pair, settings.landmarks);
+    contender.score = choice_score(contender.quality) * contender.heed.share;
     contender.free = completion.map();
     progress.reach(1.0);
 }
@@ -96,7 +103,7 @@ std::vector<std::size_t> rank(const std::vector<Contender>& contenders, const Bl
             return share && *share < 0.4;
         });
         const bool near = ranked.empty() || contenders[i].score > options.alternative * contenders[ranked[0]].score;
-        if (another && near && fits(contenders[i].quality)) ranked.push_back(i);
+        if (another && near && contenders[i].believable()) ranked.push_back(i);
         if (ranked.empty()) break;
     }
     return ranked;
@@ -130,7 +137,7 @@ std::vector<Blended> blend(const Pair& pair, const PatchSettings& settings, cons
         parallel_for(
             static_cast<int>(end - first), threads,
             [&](int i, int /*worker*/) {
-                complete(contenders[first + i], cores[first + i], settings.blend.rounds, Piece(monitor, part));
+                complete(contenders[first + i], cores[first + i], pair, settings, Piece(monitor, part));
                 --open;
                 share_threads();
             },
@@ -171,7 +178,7 @@ std::vector<Blended> blend(const Pair& pair, const PatchSettings& settings, cons
         [&](int i, int /*worker*/) {
             const Contender& chosen = contenders[ranked[i]];
             Completion& completion = *chosen.completion;
-            const double fit = choice_score(completion.quality());
+            const double fit = completion.worth();
             fill_pockets(completion.map(), pair, completion.threads(), monitor);
             completion.place_anchors();
             result[i] = {completion.map(), completion.doubts(),    chosen.quality,

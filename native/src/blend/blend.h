@@ -16,10 +16,10 @@ struct Blended {
     std::vector<double> risk;
     /// Of the map before careful trimming, by which it was chosen.
     MapQuality quality;
-    /// By which it was chosen, see choice_score().
+    /// By which it was chosen: choice_score() times what it makes of the landmarks, see heed().
     double score = 0.0;
     int maps_in_core = 0;
-    /// choice_score() of the map as it is: comparable between searches of one pair.
+    /// Completion::worth() of the map as it is: comparable between searches of one pair.
     double fit = 0.0;
 };
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "blend/landmarks.h"
 #include "blend/merge.h"
 #include "blend/vacancy.h"
 
@@ -315,5 +316,7 @@ MapQuality Completion::quality() {
     place_anchors();
     return measure_quality(pair_, settings_.feature, map_, doubts());
 }
+
+double Completion::worth() { return choice_score(quality()) * heed(map_, pair_, settings_.landmarks).share; }
 
 }  // namespace isograft

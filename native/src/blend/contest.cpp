@@ -61,11 +61,11 @@ std::vector<Ground> grounds(const Completion& completion, const Pair& pair, doub
 
 std::unique_ptr<Completion> contest(std::unique_ptr<Completion> completion, const Pair& pair,
                                     const PatchSettings& settings, Piece progress) {
-    double best = choice_score(completion->quality());
+    double best = completion->worth();
     std::vector<Ground> open = grounds(*completion, pair, best);
     if (open.empty()) return completion;
     completion->be_exclusive();
-    best = choice_score(completion->quality());
+    best = completion->worth();
     const int threads = worker_count(settings.threads);
     std::vector<Ground> settled;
     int failures = 0;
@@ -91,9 +91,9 @@ std::unique_ptr<Completion> contest(std::unique_ptr<Completion> completion, cons
                 tries[i]->take_threads(std::max(1, threads / static_cast<int>(claims.size())));
                 tries[i]->yield_to(claims[i]);
                 const double left = static_cast<double>(tries[i]->map().count) / std::max(1, completion->map().count);
-                if (choice_score(tries[i]->quality()) < promising * left * best) return;
+                if (tries[i]->worth() < promising * left * best) return;
                 tries[i]->extend_carefully(rounds_of_a_claim, pieces[i]);
-                scores[i] = choice_score(tries[i]->quality());
+                scores[i] = tries[i]->worth();
             },
             progress.monitor(), "blend", 0.0, 0.0);
         const auto winner = std::max_element(scores.begin(), scores.end());
@@ -112,7 +112,7 @@ std::unique_ptr<Completion> contest(std::unique_ptr<Completion> completion, cons
     if (changed) {
         std::unique_ptr<Completion> extended = std::make_unique<Completion>(*completion);
         extended->extend_carefully(settings.blend.careful_rounds, progress.until(1.0));
-        if (choice_score(extended->quality()) > best) completion = std::move(extended);
+        if (extended->worth() > best) completion = std::move(extended);
     }
     progress.reach(1.0);
     return completion;

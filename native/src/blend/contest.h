@@ -11,7 +11,7 @@ namespace isograft {
 /// most patches put a part of S elsewhere. On a whole body an empty limb means that the part of S which belongs there
 /// was put on another limb or doubled with it; two limbs that were exchanged leave nothing empty, but patches disagree.
 /// Each claim (see Completion::claims() and dissent()) is carried out on a copy and extended like the map itself; the
-/// map that is worth most by choice_score() stays, and is contested in turn.
+/// map that is worth most by Completion::worth() stays, and is contested in turn.
 ///
 /// Costs next to nothing where there is nothing to contest. Equal bit for bit for any number of threads.
 /// \return `completion`, whose map is finished, or a better one.

@@ -118,7 +118,7 @@ int strongest(const Eigen::MatrixXd& support, const std::vector<Patch>& patches,
 
 }  // namespace
 
-std::vector<Core> find_cores(const std::vector<Patch>& patches, const BlendOptions& options) {
+std::vector<Core> find_cores(const std::vector<Patch>& patches, const BlendOptions& options, int forced) {
     const int count = static_cast<int>(patches.size());
     std::vector<Core> cores;
     if (count == 0) return cores;
@@ -130,7 +130,9 @@ std::vector<Core> find_cores(const std::vector<Patch>& patches, const BlendOptio
         if (left == 0 || (k > 0 && left < 3)) break;
         Core core;
         core.member.assign(count, 0);
-        const int first = strongest(weights, patches, used);
+        std::vector<char> passed_over = used;
+        if (k == 0 && forced > 0) std::fill(passed_over.begin() + forced, passed_over.end(), 1);
+        const int first = strongest(weights, patches, passed_over);
         core.member[first] = 1;
         Eigen::VectorXd agree = agreement.agree.col(first);
         Eigen::VectorXd overlap = agreement.overlap.col(first);

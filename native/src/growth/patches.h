@@ -27,6 +27,8 @@ struct PatchSettings {
     GrowthOptions growth;
     BlendOptions blend;
     int threads = 0;
+    /// Weight of each landmark; they are the first samples of both sides, in this order.
+    std::vector<double> landmarks;
 };
 
 /// Mean of the better half of some patches' qualities: of two ways to lay the surfaces beside each other, the one with

@@ -58,7 +58,7 @@ PreparedPair prepare(Halves& halves, const Side& source, const Side& target, con
 // Quality of a few probes, as better_half(); lower is better.
 double probe_setting(const Pair& pair, const MatchOptions& options, Monitor& monitor, double from, double to) {
     const double seeded = from + 0.3 * (to - from);
-    const PatchSettings settings{options.feature, options.seed, options.growth, options.blend, options.threads};
+    const PatchSettings settings{options.feature, options.seed, options.growth, options.blend, options.threads, {}};
     const auto matches = oriented_matches(pair, options.feature, options.seed, options.threads, monitor, from, seeded);
     const int count = std::min(options.scale.probes, static_cast<int>(matches.size()));
     if (count == 0) return 10.0;
@@ -83,6 +83,8 @@ struct Choice {
     ScaleVotes votes{};
     /// The scale was read off descriptors, and is neither a common unit nor the ratio of two whole areas.
     bool measured = false;
+
+    [[nodiscard]] bool turned() const { return setting.source_reversed || setting.target_reversed; }
 };
 
 // What the probes of a setting are worth against those of a likelier one. A winding as given is seldom wrong. Nor are
@@ -91,10 +93,18 @@ struct Choice {
 // agreed and probes of 0.26 to 0.67 of those of the common unit; wrong ones 0.78 and more, or 0.44 and more of two that
 // disagreed.
 double handicap(const Choice& choice) {
-    constexpr double turned = 0.9, agreed = 0.7, doubtful = 0.4;
-    double worth = choice.setting.source_reversed || choice.setting.target_reversed ? turned : 1.0;
+    constexpr double turned_over = 0.9, agreed = 0.7, doubtful = 0.4;
+    double worth = choice.turned() ? turned_over : 1.0;
     if (choice.measured) worth *= votes_agree(choice.votes) ? agreed : doubtful;
     return worth;
+}
+
+// Whether neither surface shows which side is which, so that probes would decide on turning one over by chance.
+bool is_flat(const Pair& pair, const FeatureOptions& options) {
+    constexpr double least = 0.01;
+    const auto bulges = [&](double curvature) { return std::abs(std::atan(options.squash * curvature)) > least; };
+    return std::none_of(pair.source_curvature.begin(), pair.source_curvature.end(), bulges) &&
+           std::none_of(pair.target_curvature.begin(), pair.target_curvature.end(), bulges);
 }
 
 // Whether the votes leave nothing to be said for turning open parts over. The winding as given is never ruled out by
@@ -226,6 +236,7 @@ PreparedPair prepare_pair(const Surface& source, const Surface& target, const Ma
             best = std::move(prepared);
             break;
         }
+        if (best && settings[i].turned() && is_flat(prepared.pair, options.feature)) break;
         Stopwatch watch;
         const double quality = probe_setting(prepared.pair, options, monitor, end, done);
         begin = done;

@@ -6,42 +6,18 @@
 
 #include <gtest/gtest.h>
 
-#include "shapes.h"
-#include "twins.h"
+#include "made_patch.h"
 
 namespace isograft {
 namespace {
 
 const Twins& twins() { return Twins::of_a_blob(); }
 
-/// A patch that holds the samples for which keep(position) holds, put where `place` of their true image lies.
-template <class Keep, class Place>
-Patch patch(Keep&& keep, Place&& place) {
-    const Pair& pair = twins().pair();
-    const Samples& samples = pair.source.samples;
-    Patch result;
-    result.map = PartialMap(samples.count());
-    for (int s = 0; s < samples.count(); ++s) {
-        if (!keep(samples.position[s])) continue;
-        const OrientedMatch match = twins().true_match(s);
-        const SurfacePoint p = shapes::point_nearest(pair.target.mesh, place(position(pair.target.mesh, match.point)));
-        result.map.put(pair.target.mesh, s, p, match.rotation);
-        result.map.seed = s;
-    }
-    measure_seed_distance(samples, result.map);
-    return result;
-}
-
-Eigen::Vector3d right(const Eigen::Vector3d& x) { return x; }
-/// The other end of the body.
-Eigen::Vector3d astray(const Eigen::Vector3d& x) { return 2.0 * twins().truth(Eigen::Vector3d::Zero()) - x; }
-bool all(const Eigen::Vector3d& /*x*/) { return true; }
-
 TEST(Merge, OfPatchesThatAgreeIsWhatTheyAgreeOn) {
     const auto low = [](const Eigen::Vector3d& x) { return x.y() < 0.1; };
     const auto high = [](const Eigen::Vector3d& x) { return x.y() > -0.1; };
-    const Patch a = patch(low, right);
-    const Patch b = patch(high, right);
+    const Patch a = made_patch(low, where_it_belongs);
+    const Patch b = made_patch(high, where_it_belongs);
     PartialMap map(twins().pair().source.samples.count());
     merge_into(map, twins().pair(), twins().settings(), {&a, &b}, {1.0, 1.0});
     EXPECT_EQ(map.count, twins().pair().source.samples.count());
@@ -49,9 +25,9 @@ TEST(Merge, OfPatchesThatAgreeIsWhatTheyAgreeOn) {
 }
 
 TEST(Merge, GoesWithTheMajorityAndNotWithTheMean) {
-    const Patch a = patch(all, right);
-    const Patch b = patch(all, right);
-    const Patch wrong = patch(all, astray);
+    const Patch a = made_patch(everywhere, where_it_belongs);
+    const Patch b = made_patch(everywhere, where_it_belongs);
+    const Patch wrong = made_patch(everywhere, at_the_other_end);
     PartialMap map(twins().pair().source.samples.count());
     merge_into(map, twins().pair(), twins().settings(), {&wrong, &a, &b}, {1.0, 1.0, 1.0});
     EXPECT_GT(map.count, 0);
@@ -63,7 +39,7 @@ TEST(Merge, GoesWithTheMajorityAndNotWithTheMean) {
 }
 
 TEST(Merge, LeavesWhatIsThereAndHearsNobodyWithoutWeight) {
-    const Patch wrong = patch(all, astray);
+    const Patch wrong = made_patch(everywhere, at_the_other_end);
     PartialMap map = twins().true_map({3});
     const Eigen::Vector3d before = map.position[3];
     merge_into(map, twins().pair(), twins().settings(), {&wrong}, {0.0});
@@ -83,7 +59,7 @@ TEST(ContinuousParts, AreNumberedByAreaAndLeaveOutTheUnmapped) {
     const Pair& pair = twins().pair();
     const auto high = [](const Eigen::Vector3d& x) { return x.y() > 0.22; };
     const auto low = [](const Eigen::Vector3d& x) { return x.y() < -0.02; };
-    const Patch both = patch([&](const Eigen::Vector3d& x) { return high(x) || low(x); }, right);
+    const Patch both = made_patch([&](const Eigen::Vector3d& x) { return high(x) || low(x); }, where_it_belongs);
     const auto parts = continuous_parts(both.map, pair);
     for (const int s : twins().all_samples()) {
         const Eigen::Vector3d& x = pair.source.samples.position[s];
@@ -93,8 +69,8 @@ TEST(ContinuousParts, AreNumberedByAreaAndLeaveOutTheUnmapped) {
 
 TEST(TornParts, AreDroppedWhereTheyTouchALargerOneAndLieElsewhere) {
     const auto cap = [](const Eigen::Vector3d& x) { return x.y() > 0.2; };
-    Patch whole = patch(all, right);
-    const Patch wrong = patch(cap, astray);
+    Patch whole = made_patch(everywhere, where_it_belongs);
+    const Patch wrong = made_patch(cap, at_the_other_end);
     int moved = 0;
     for (const int s : twins().all_samples()) {
         if (!wrong.map.mapped[s]) continue;
@@ -114,7 +90,8 @@ TEST(TornParts, AreDroppedWhereTheyTouchALargerOneAndLieElsewhere) {
 }
 
 TEST(TornParts, ThatTouchNothingStay) {
-    const Patch both = patch([](const Eigen::Vector3d& x) { return x.y() > 0.22 || x.y() < -0.02; }, right);
+    const Patch both =
+        made_patch([](const Eigen::Vector3d& x) { return x.y() > 0.22 || x.y() < -0.02; }, where_it_belongs);
     PartialMap map = both.map;
     EXPECT_EQ(drop_torn_parts(map, twins().pair()), 0);
     EXPECT_EQ(map.count, both.map.count);
