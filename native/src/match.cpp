@@ -17,6 +17,7 @@
 #include "blend/merge.h"
 #include "dense/densify.h"
 #include "dense/refine.h"
+#include "dense/vertex_place.h"
 #include "growth/patches.h"
 #include "growth/relax.h"
 #include "isograft/errors.h"
@@ -101,6 +102,23 @@ Grown grow(const Pair& pair, const PatchSettings& settings, const MatchOptions& 
     grown.cores = find_cores(grown.patches, options.blend, forced);
     grown.seeds = std::min(static_cast<int>(seeds.size()), options.seed.probes + forced);
     return grown;
+}
+
+// The map of the search before is one more patch, and a core of its own: what one search leaves out, another may reach
+// from it, and the two are compared on one set of samples.
+void enter(Grown& grown, PartialMap map, const Pair& pair, const MatchOptions& options) {
+    if (map.count == 0) return;
+    const double quality = mean_mismatch(pair, options.feature, map);
+    grown.patches.push_back({std::move(map), quality, 0.0});
+    for (Core& core : grown.cores) core.member.push_back(0);
+    Core own;
+    own.member.assign(grown.patches.size(), 0);
+    own.member.back() = 1;
+    own.count = 1;
+    // After the strongest: whether these two agree settles most.
+    const auto second = std::min<std::size_t>(1, grown.cores.size());
+    grown.cores.insert(grown.cores.begin() + static_cast<std::ptrdiff_t>(second), std::move(own));
+    if (grown.cores.size() > std::max<std::size_t>(2, options.blend.cores)) grown.cores.pop_back();
 }
 
 // What the seeds of the strongest core say of the scale; 1 if it is near enough, or not to be touched.
@@ -311,10 +329,11 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
         Pair other = pair;
         resample(other, options, options.random_seed + 16 * static_cast<std::uint64_t>(attempt), watcher, at, sampled);
         lap("samples", other.source.samples.bytes() + other.target.samples.bytes());
-        const Grown again = grow(other, settings, options, lap, watcher, sampled, until);
+        Grown again = grow(other, settings, options, lap, watcher, sampled, until);
         report.seeds_tried += again.seeds;
         report.maps_grown += static_cast<int>(again.patches.size());
         lap("growth", map_bytes * static_cast<std::int64_t>(again.patches.size()));
+        enter(again, carried_over(answers.front().map, pair, other), other, options);
         std::vector<Blended> found =
             blend(other, settings, again.patches, again.cores, watcher, until,
                   end_of_part(until, end, costs.cores(options.blend.cores), costs.answers(1)), end);

@@ -156,6 +156,26 @@ TEST(Match, GivesOneAnswerWhereThereIsOne) {
     EXPECT_EQ(result.correspondences.size(), 1U);
 }
 
+TEST(Match, LosesNothingByAnotherSearch) {
+    const shapes::Shape target = bumped();
+    const Surface source = gate(shapes::blob(4));
+    MatchOptions options = quick();
+    // Content with nothing.
+    options.blend.content = 1.0;
+    options.scale.mode = ScaleMode::fixed;
+    const Match once = match(source, gate(target), options);
+    options.blend.attempts = 2;
+    const Match again = match(source, gate(target), options);
+    EXPECT_GT(again.report.maps_grown, once.report.maps_grown);
+    const double radius = 1.5 * spacing(source.mesh(), options);
+    const Score before = score(once.best(), target.vertices, radius);
+    const Score after = score(again.best(), target.vertices, radius);
+    EXPECT_GE(after.right, before.right);
+    EXPECT_GT(after.right, 0.9 * after.matched);
+    options.threads = 1;
+    expect_same_bits(match(source, gate(target), options).best().points, again.best().points);
+}
+
 shapes::Shape without_a_spot(const shapes::Shape& shape) {
     return shapes::cut(shape,
                        [](const Eigen::Vector3d& x) { return (x - Eigen::Vector3d(0.0, -1.0, 0.0)).norm() > 0.3; });

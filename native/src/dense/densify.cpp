@@ -2,18 +2,16 @@
 #include "dense/densify.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <numeric>
 #include <optional>
 #include <string>
 
 #include "base/parallel.h"
 #include "base/sorting.h"
 #include "dense/cloud_rows.h"
-#include "geodesic/trace.h"
+#include "dense/vertex_place.h"
 #include "isograft/errors.h"
 #include "surface/clean.h"
 
@@ -34,13 +32,6 @@ void DenseOptions::validate() const {
 
 namespace {
 
-struct Landing {
-    SurfacePoint point;
-    Eigen::Vector3d position;
-    double weight;
-    int sample;
-};
-
 struct VertexImage {
     SurfacePoint point;
     Eigen::Vector3d position = Eigen::Vector3d::Zero();
@@ -49,48 +40,23 @@ struct VertexImage {
     int region = -1;
 };
 
-// The mean of points on the target that lie near each other.
-SurfacePoint settle(const TriangleMesh& target, const SurfacePoint& start, const Eigen::Vector3d& mean) {
-    const Complex step = flatten(target, start.face, mean - position(target, start));
-    return std::abs(step) > 1e-12 ? trace(target, start, step, std::abs(step)).end : start;
-}
-
 // Where the samples near coarse vertex `v` say it goes.
 VertexImage image_of(int v, const PartialMap& map, const Pair& pair, const SampleNotes& notes,
                      const DenseOptions& options) {
-    const TriangleMesh& target = pair.target.mesh;
-    std::vector<Landing> landings;
-    double nearest = std::numeric_limits<double>::max();
-    for (const NearSample& near : pair.source.samples.near_vertex[v]) {
-        if (!map.mapped[near.sample]) continue;
-        const double d = std::max<double>(near.distance, 1e-6);
-        const Trace t = trace(target, map.image[near.sample],
-                              std::polar(1.0, static_cast<double>(near.angle)) * map.rotation[near.sample], d);
-        if (!t.complete) continue;
-        landings.push_back({t.end, position(target, t.end), 1.0 / (d * d), near.sample});
-        nearest = std::min(nearest, d);
-    }
     VertexImage image;
-    if (nearest > options.reach * pair.source.samples.spacing) return image;
-    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-    double total = 0.0;
-    const Landing* surest = &landings.front();
-    for (const Landing& l : landings) {
-        mean += l.weight * l.position;
-        total += l.weight;
-        image.confidence += l.weight * notes.confidence[l.sample];
-        image.stretch += l.weight * notes.stretch[l.sample];
-        if (l.weight > surest->weight) surest = &l;
+    const auto place = place_of_vertex(v, map, pair, options.reach * pair.source.samples.spacing);
+    if (!place) return image;
+    const VertexPlace::Say* surest = &place->said.front();
+    for (const VertexPlace::Say& say : place->said) {
+        image.confidence += say.weight * notes.confidence[say.sample];
+        image.stretch += say.weight * notes.stretch[say.sample];
+        if (say.weight > surest->weight) surest = &say;
     }
-    mean /= total;
-    image.confidence /= total;
-    image.stretch /= total;
+    image.confidence /= place->total;
+    image.stretch /= place->total;
     image.region = notes.region[surest->sample];
-    const auto start = std::min_element(landings.begin(), landings.end(), [&](const Landing& a, const Landing& b) {
-        return (a.position - mean).squaredNorm() < (b.position - mean).squaredNorm();
-    });
-    image.point = settle(target, start->point, mean);
-    image.position = position(target, image.point);
+    image.point = place->point;
+    image.position = place->position;
     return image;
 }
 

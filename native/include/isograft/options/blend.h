@@ -29,7 +29,8 @@ struct BlendOptions {
     int careful_rounds = 3;
     /// A map that contradicts the best is kept as an alternative if it scores more than this share of it.
     double alternative = 0.75;
-    /// Whole searches, each from other samples, while the best map so far is worth less than `content`.
+    /// Whole searches, each from other samples and with the best map so far as one core more, while that map is worth
+    /// less than `content`.
     int attempts = 2;
     /// Between 0 and 1: share of the area that is expected to be right, where doubt counts four times; less for bodies
     /// out of shape. Right maps of whole bodies reach 0.7 to 0.9.
