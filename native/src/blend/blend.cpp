@@ -181,10 +181,11 @@ std::vector<Blended> blend(const Pair& pair, const PatchSettings& settings, cons
             const double fit = completion.worth();
             fill_pockets(completion.map(), pair, completion.threads(), monitor);
             completion.place_anchors();
-            result[i] = {completion.map(), completion.doubts(),    chosen.quality,
-                         chosen.score,     cores[ranked[i]].count, fit};
+            result[i] = {completion.map(), completion.doubts(), chosen.quality, cores[ranked[i]].count, fit};
         },
         monitor, "blend", middle, middle);
+    // What they were chosen by was measured before the careful extension, which may turn two that are near each other.
+    std::stable_sort(result.begin(), result.end(), [](const Blended& a, const Blended& b) { return a.fit > b.fit; });
     monitor.report("blend", to);
     if (ranked.empty()) {
         result[0].map = PartialMap(pair.source.samples.count());

@@ -16,8 +16,6 @@ struct Blended {
     std::vector<double> risk;
     /// Of the map before careful trimming, by which it was chosen.
     MapQuality quality;
-    /// By which it was chosen: choice_score() times what it makes of the landmarks, see heed().
-    double score = 0.0;
     int maps_in_core = 0;
     /// Completion::worth() of the map as it is: comparable between searches of one pair.
     double fit = 0.0;
@@ -28,7 +26,7 @@ struct Blended {
 /// \param cores those of find_cores(), the strongest first.
 /// \param middle progress when the cores are complete.
 /// \return the chosen map, empty where even the best core fits the surfaces no better than chance; after it those that
-/// contradict it and score nearly as high, by falling score: the surfaces map onto themselves, and it is open which of
+/// contradict it and score nearly as high, by falling fit: the surfaces map onto themselves, and it is open which of
 /// them is meant. \throw Cancelled if `monitor` asks for it.
 std::vector<Blended> blend(const Pair& pair, const PatchSettings& settings, const std::vector<Patch>& patches,
                            const std::vector<Core>& cores, Monitor& monitor, double from, double middle, double to);

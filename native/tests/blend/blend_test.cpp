@@ -94,7 +94,7 @@ TEST(Blend, ChoosesTheRightCoreWhereverItStands) {
         }
         EXPECT_LT(sum / map.count, 0.3);
         EXPECT_EQ(answers.front().maps_in_core, grown().right.count);
-        for (std::size_t i = 1; i < answers.size(); ++i) EXPECT_LE(answers[i].score, answers[i - 1].score);
+        for (std::size_t i = 1; i < answers.size(); ++i) EXPECT_LE(answers[i].fit, answers[i - 1].fit);
     }
 }
 
@@ -113,7 +113,7 @@ TEST(Blend, IsEqualBitForBitForAnyNumberOfThreads) {
         EXPECT_EQ(one[i].map.mapped, two[i].map.mapped);
         EXPECT_EQ(one[i].map.rotation, two[i].map.rotation);
         EXPECT_EQ(one[i].risk, two[i].risk);
-        EXPECT_EQ(one[i].score, two[i].score);
+        EXPECT_EQ(one[i].fit, two[i].fit);
     }
 }
 
