@@ -137,6 +137,18 @@ def test_results_that_are_not_there_are_wrong_usage(tmp_path):
     assert "run scripts/benchmark first" in done.stderr
 
 
+def test_without_the_data_earlier_pictures_stay(measured):
+    (measured / "pairs.csv").unlink()
+    (measured / "pictures").mkdir()
+    earlier = measured / "pictures" / "worst_blob_0.jpg"
+    earlier.write_bytes(b"a picture")
+    done = report(measured)
+    assert done.returncode == 2
+    assert "holds no pairs.csv" in done.stderr
+    assert "--no-pictures" in done.stderr
+    assert earlier.read_bytes() == b"a picture"
+
+
 @pytest.mark.skipif(shutil.which("blender") is None, reason="there is no Blender to render with")
 def test_the_picture_of_a_pair_shows_it_in_colours(measured):
     done = report(measured)

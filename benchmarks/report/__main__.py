@@ -31,6 +31,13 @@ def main(arguments: list[str]) -> int:
     if not given.results.is_file():
         print(f"accuracy_report: {given.results} does not exist; run scripts/benchmark first", file=sys.stderr)
         return 2
+    if not given.no_pictures and not (given.data / "pairs.csv").is_file():
+        print(
+            f"accuracy_report: {given.data} holds no pairs.csv, which the pictures need; name the folder of the pairs "
+            "with --data or ISOGRAFT_DATA, or take --no-pictures",
+            file=sys.stderr,
+        )
+        return 2
     results = read_results(given.results)
     rows = results["rows"]
     given.pictures.mkdir(parents=True, exist_ok=True)
@@ -57,9 +64,7 @@ def main(arguments: list[str]) -> int:
 
 
 def _draw(worst: list[Row], data: Path, maps: Path, pictures: Path) -> dict[str, Path]:
-    """One picture per pair, all from one Blender; those of earlier reports go."""
-    for old in pictures.glob("worst_*.jpg"):
-        old.unlink()
+    """One picture per pair, all from one Blender; those of earlier reports go once all are there."""
     with (data / "pairs.csv").open(newline="", encoding="utf-8") as file:
         pairs = {pair["id"]: pair for pair in csv.DictReader(file)}
     drawn = {}
@@ -81,6 +86,9 @@ def _draw(worst: list[Row], data: Path, maps: Path, pictures: Path) -> dict[str,
             _blender(calls)
         for name, path in drawn.items():
             compose(Path(folder) / f"{name}.png", path)
+    for old in pictures.glob("worst_*.jpg"):
+        if old not in drawn.values():
+            old.unlink()
     return drawn
 
 
