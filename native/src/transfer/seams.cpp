@@ -3,28 +3,15 @@
 
 #include <algorithm>
 #include <array>
-#include <cstddef>
+#include <functional>
 #include <numeric>
 #include <utility>
+
+#include "base/sorting.h"
 
 namespace isograft {
 
 namespace {
-
-// Asks the monitor at the first of so many steps.
-class Pulse {
-  public:
-    explicit Pulse(Monitor* monitor) : monitor_(monitor) {}
-
-    void step() {
-        if (monitor_ != nullptr && count_++ % steps_a_check == 0) monitor_->check();
-    }
-
-  private:
-    static constexpr std::size_t steps_a_check = 1 << 14;
-    Monitor* monitor_;
-    std::size_t count_ = 0;
-};
 
 // A half-edge with its ends in ascending order, so that both directions of an edge sort together.
 struct EdgeKey {
@@ -39,21 +26,18 @@ struct EdgeKey {
     }
 };
 
-std::vector<EdgeKey> sorted_edges(const Triangles& faces, Pulse& pulse) {
+std::vector<EdgeKey> sorted_edges(const Triangles& faces, Monitor& monitor) {
     std::vector<EdgeKey> edges;
     edges.reserve(3 * static_cast<std::size_t>(faces.rows()));
     for (int f = 0; f < faces.rows(); ++f) {
-        pulse.step();
+        if (f % often == 0) monitor.check();
         for (int c = 0; c < 3; ++c) {
             const auto [low, high] = std::minmax({faces(f, c), faces(f, (c + 1) % 3)});
             // The collapsed edge of a degenerate triangle leads nowhere.
             if (low != high) edges.push_back({low, high, 3 * f + c});
         }
     }
-    std::sort(edges.begin(), edges.end(), [&](const EdgeKey& a, const EdgeKey& b) {
-        pulse.step();
-        return a < b;
-    });
+    sort_watched(edges.begin(), edges.end(), std::less<>(), monitor);
     return edges;
 }
 
@@ -69,17 +53,17 @@ bool agree(const CornerValues& values, double tolerance, int one, int other) {
     return values.cols() == 0 || (values.row(one) - values.row(other)).cwiseAbs().maxCoeff() <= tolerance;
 }
 
-void number_islands(SeamGraph& graph, Pulse& pulse) {
+void number_islands(SeamGraph& graph, Monitor& monitor) {
     const int count = static_cast<int>(graph.has_seam.size());
     graph.island = Eigen::VectorXi::Constant(count, -1);
-    int islands = 0;
+    int islands = 0, seen = 0;
     std::vector<int> front;
     for (int first = 0; first < count; ++first) {
         if (graph.island[first] >= 0) continue;
         graph.island[first] = islands;
         front.assign(1, first);
         while (!front.empty()) {
-            pulse.step();
+            if (++seen % often == 0) monitor.check();
             const int f = front.back();
             front.pop_back();
             for (int h = 3 * f; h < 3 * f + 3; ++h) {
@@ -98,16 +82,18 @@ void number_islands(SeamGraph& graph, Pulse& pulse) {
 
 Triangles weld(const Points& vertices, const Triangles& faces, Monitor* monitor) {
     if (vertices.rows() == 0) return faces;
-    Pulse pulse(monitor);
+    Monitor silent;
+    Monitor& watched = monitor != nullptr ? *monitor : silent;
     std::vector<int> order(vertices.rows());
     std::iota(order.begin(), order.end(), 0);
     const auto place = [&](int v) { return std::array{vertices(v, 0), vertices(v, 1), vertices(v, 2)}; };
-    std::sort(order.begin(), order.end(), [&](int a, int b) {
-        pulse.step();
+    const auto before = [&](int a, int b) {
         const auto x = place(a);
         const auto y = place(b);
         return x != y ? x < y : a < b;
-    });
+    };
+    sort_watched(order.begin(), order.end(), before, watched);
+    watched.check();
     std::vector<int> first(order.size());
     for (std::size_t i = 0; i < order.size(); ++i) {
         const bool same = i > 0 && place(order[i]) == place(order[i - 1]);
@@ -117,15 +103,17 @@ Triangles weld(const Points& vertices, const Triangles& faces, Monitor* monitor)
 }
 
 SeamGraph build_seam_graph(const Triangles& faces, const CornerValues& values, double tolerance, Monitor* monitor) {
-    Pulse pulse(monitor);
+    Monitor silent;
+    Monitor& watched = monitor != nullptr ? *monitor : silent;
     SeamGraph graph;
     graph.next.resize(3 * faces.rows());
     std::iota(graph.next.begin(), graph.next.end(), 0);
     graph.side = graph.next;
     graph.has_seam.assign(faces.rows(), 0);
-    const std::vector<EdgeKey> edges = sorted_edges(faces, pulse);
+    const std::vector<EdgeKey> edges = sorted_edges(faces, watched);
+    int seen = 0;
     for (std::size_t from = 0, to = 0; from < edges.size(); from = to) {
-        pulse.step();
+        if (++seen % often == 0) watched.check();
         while (to < edges.size() && edges[to].low == edges[from].low && edges[to].high == edges[from].high) ++to;
         bool seam = false;
         for (std::size_t i = from; i < to; ++i) {
@@ -143,13 +131,14 @@ SeamGraph build_seam_graph(const Triangles& faces, const CornerValues& values, d
         }
         for (std::size_t i = from; seam && i < to; ++i) graph.has_seam[edges[i].half_edge / 3] = 1;
     }
-    number_islands(graph, pulse);
+    number_islands(graph, watched);
     return graph;
 }
 
 Eigen::VectorXi group_corners(const SeamGraph& graph, const Triangles& faces,
                               const std::function<bool(int f, int g)>& together, Monitor* monitor) {
-    Pulse pulse(monitor);
+    Monitor silent;
+    Monitor& watched = monitor != nullptr ? *monitor : silent;
     // A forest whose roots are the lowest corners.
     std::vector<int> parent(graph.next.size());
     std::iota(parent.begin(), parent.end(), 0);
@@ -163,7 +152,7 @@ Eigen::VectorXi group_corners(const SeamGraph& graph, const Triangles& faces,
         parent[std::max(a, b)] = std::min(a, b);
     };
     for (int h = 0; h < static_cast<int>(parent.size()); ++h) {
-        pulse.step();
+        if (h % often == 0) watched.check();
         for (int g = graph.next[h]; g != h; g = graph.next[g]) {
             const int f = h / 3, other = g / 3;
             if (graph.side[g] != graph.side[h] || !together(f, other)) continue;
