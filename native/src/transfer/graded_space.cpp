@@ -94,28 +94,6 @@ Depth depth_of(const Points& vertices, const RowMatrix& laplacian, const Unknown
     return depth;
 }
 
-// Which vertices are free from the start: beside what is known, and in small holes.
-std::vector<char> free_vertices(const RowMatrix& edges, const std::vector<int>& rings, Eigen::Index few) {
-    const auto count = static_cast<int>(edges.rows());
-    std::vector<char> is_free(count, 0), is_seen(count, 0);
-    std::vector<int> hole;
-    for (int start = 0; start < count; ++start) {
-        if (is_seen[start] != 0) continue;
-        hole.assign(1, start);
-        is_seen[start] = 1;
-        for (std::size_t at = 0; at < hole.size(); ++at) {
-            each_neighbour(edges, hole[at], [&](int other) {
-                if (is_seen[other] != 0) return;
-                is_seen[other] = 1;
-                hole.push_back(other);
-            });
-        }
-        const bool is_small = static_cast<Eigen::Index>(hole.size()) <= few;
-        for (const int i : hole) is_free[i] = is_small || rings[i] <= free_rings ? 1 : 0;
-    }
-    return is_free;
-}
-
 // Twice differentiable, 1 to 0 (Wendland 1995).
 double bump(double share) {
     const double rest = 1.0 - share;
@@ -125,12 +103,17 @@ double bump(double share) {
 }  // namespace
 
 GradedSpace::GradedSpace(const Points& vertices, const Eigen::VectorXd& areas, const RowMatrix& laplacian,
-                         const Unknowns& unknowns, Eigen::Index few, Piece piece) {
+                         const Unknowns& unknowns, const std::vector<Eigen::Index>& hole_sizes, Eigen::Index few,
+                         Piece piece) {
     const RowMatrix edges(unknowns.block(Eigen::SparseMatrix<double>(laplacian)));
     piece.reach(0.1);
     const Depth depth = depth_of(vertices, laplacian, unknowns, edges, piece.monitor());
     piece.reach(0.3);
-    std::vector<char> is_free = free_vertices(edges, depth.rings, few);
+    // Beside what is known, and in small holes.
+    std::vector<char> is_free(hole_sizes.size());
+    for (std::size_t i = 0; i < is_free.size(); ++i) {
+        is_free[i] = hole_sizes[i] <= few || depth.rings[i] <= free_rings ? 1 : 0;
+    }
     double area = 0.0, bound = 0.0;
     for (std::size_t i = 0; i < is_free.size(); ++i) {
         if (is_free[i] != 0) continue;

@@ -32,9 +32,10 @@ class GradedSpace {
     using Parameters = std::array<double, most>;
 
     /// \param vertices #V by 3. \param areas #V, as vertex_areas(). \param laplacian #V by #V, as laplacian().
-    /// \param few holes of at most so many vertices are free. \throw Cancelled
+    /// \param hole_sizes Unknowns::hole_sizes(). \param few holes of at most so many vertices are free. \throw
+    /// Cancelled
     GradedSpace(const Points& vertices, const Eigen::VectorXd& areas, const RowMatrix& laplacian,
-                const Unknowns& unknowns, Eigen::Index few, Piece piece);
+                const Unknowns& unknowns, const std::vector<Eigen::Index>& hole_sizes, Eigen::Index few, Piece piece);
 
     /// Free vertices and nodes.
     [[nodiscard]] int group_count() const { return static_cast<int>(first_.size()) - 1; }

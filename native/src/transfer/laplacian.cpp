@@ -106,24 +106,24 @@ CornerValues Unknowns::zeroed(const CornerValues& values) const {
     return result;
 }
 
-Eigen::Index Unknowns::largest_hole(const Eigen::SparseMatrix<double>& laplacian) const {
-    std::vector<char> is_seen(slot.size(), 0);
+std::vector<Eigen::Index> Unknowns::hole_sizes(const Eigen::SparseMatrix<double>& laplacian) const {
+    std::vector<Eigen::Index> sizes(vertex.size(), 0);
     std::vector<int> hole;
-    std::size_t largest = 0;
-    for (const int start : vertex) {
-        if (is_seen[start] != 0) continue;
-        is_seen[start] = 1;
-        hole.assign(1, start);
+    for (std::size_t start = 0; start < sizes.size(); ++start) {
+        if (sizes[start] != 0) continue;
+        sizes[start] = 1;
+        hole.assign(1, static_cast<int>(start));
         for (std::size_t at = 0; at < hole.size(); ++at) {
-            for (Eigen::SparseMatrix<double>::InnerIterator it(laplacian, hole[at]); it; ++it) {
-                if (slot[it.row()] < 0 || is_seen[it.row()] != 0) continue;
-                is_seen[it.row()] = 1;
-                hole.push_back(static_cast<int>(it.row()));
+            for (Eigen::SparseMatrix<double>::InnerIterator it(laplacian, vertex[hole[at]]); it; ++it) {
+                const int other = slot[it.row()];
+                if (other < 0 || sizes[other] != 0) continue;
+                sizes[other] = 1;
+                hole.push_back(other);
             }
         }
-        largest = std::max(largest, hole.size());
+        for (const int i : hole) sizes[i] = static_cast<Eigen::Index>(hole.size());
     }
-    return static_cast<Eigen::Index>(largest);
+    return sizes;
 }
 
 Mask Unknowns::mask() const {

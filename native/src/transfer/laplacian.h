@@ -35,8 +35,8 @@ struct Unknowns {
     /// \param values #V by k. \return the same, 0 at the unknowns.
     [[nodiscard]] CornerValues zeroed(const CornerValues& values) const;
     [[nodiscard]] Mask mask() const;
-    /// Vertices of the largest hole: unknowns that hang together by the edges of laplacian(). O(#V).
-    [[nodiscard]] Eigen::Index largest_hole(const Eigen::SparseMatrix<double>& laplacian) const;
+    /// Of each unknown, how many there are in its hole: unknowns that hang together by the edges of laplacian(). O(#V).
+    [[nodiscard]] std::vector<Eigen::Index> hole_sizes(const Eigen::SparseMatrix<double>& laplacian) const;
 };
 
 }  // namespace isograft

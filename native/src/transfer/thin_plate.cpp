@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <vector>
 
 #include "transfer/cholesky.h"
 #include "transfer/graded_space.h"
@@ -36,8 +37,9 @@ CornerValues solve_exactly(const Eigen::SparseMatrix<double>& laplacian, const E
 // None if a matrix is too degenerate.
 std::optional<CornerValues> solve_nearly(const Points& vertices, const Eigen::SparseMatrix<double>& laplacian,
                                          const Eigen::VectorXd& areas, const Unknowns& unknowns,
-                                         const CornerValues& right, Eigen::Index large, Piece piece) {
-    const GradedSpace space(vertices, areas, RowMatrix(laplacian), unknowns, large, piece.until(0.2));
+                                         const std::vector<Eigen::Index>& hole_sizes, const CornerValues& right,
+                                         Eigen::Index large, Piece piece) {
+    const GradedSpace space(vertices, areas, RowMatrix(laplacian), unknowns, hole_sizes, large, piece.until(0.2));
     const SquaredRows energy = bending_rows(laplacian, areas, unknowns);
     const LargeSolver solver(energy, space, piece.until(0.6));
     if (!solver.usable()) return std::nullopt;
@@ -62,9 +64,13 @@ CornerValues thin_plate(const Points& vertices, const Triangles& faces, const Ei
     const Eigen::MatrixXd bent = areas.cwiseInverse().asDiagonal() * (laplacian * unknowns.zeroed(values));
     const CornerValues right = -of_unknowns(laplacian * bent, unknowns);
     piece.check();
-    if (unknowns.count() > large && unknowns.largest_hole(laplacian) > large) {
-        const auto solved = solve_nearly(vertices, laplacian, areas, unknowns, right, large, piece.until(0.9));
-        if (solved) return *solved;
+    if (unknowns.count() > large) {
+        const std::vector<Eigen::Index> sizes = unknowns.hole_sizes(laplacian);
+        if (*std::max_element(sizes.begin(), sizes.end()) > large) {
+            const auto solved =
+                solve_nearly(vertices, laplacian, areas, unknowns, sizes, right, large, piece.until(0.9));
+            if (solved) return *solved;
+        }
     }
     return solve_exactly(laplacian, areas, unknowns, right, piece.until(1.0));
 }

@@ -28,7 +28,7 @@ struct Hole {
 
     [[nodiscard]] GradedSpace space(Eigen::Index few = 0) const {
         Monitor monitor;
-        return {shape.vertices, areas, RowMatrix(first), unknowns, few, monitor};
+        return {shape.vertices, areas, RowMatrix(first), unknowns, unknowns.hole_sizes(first), few, monitor};
     }
 
     [[nodiscard]] Eigen::SparseMatrix<double> matrix() const {
@@ -160,7 +160,8 @@ TEST(LargeSolver, StopsInEachOfItsParts) {
     static_cast<void>(solver.improve(right, right, 2, Piece(monitor, 0.5)));
     EXPECT_NEAR(monitor.fraction(), 1.0, 1e-9);
     monitor.cancel();
-    EXPECT_THROW(GradedSpace(hole.shape.vertices, hole.areas, RowMatrix(hole.first), hole.unknowns, 0, monitor),
+    EXPECT_THROW(GradedSpace(hole.shape.vertices, hole.areas, RowMatrix(hole.first), hole.unknowns,
+                             hole.unknowns.hole_sizes(hole.first), 0, monitor),
                  Cancelled);
     EXPECT_THROW(energy_within(space, hole.energy, monitor), Cancelled);
     EXPECT_THROW(LargeSolver(hole.energy, space, monitor), Cancelled);
