@@ -176,12 +176,11 @@ std::vector<Blended> blend(const Pair& pair, const PatchSettings& settings, cons
     parallel_for(
         static_cast<int>(ranked.size()), settings.threads,
         [&](int i, int /*worker*/) {
-            const Contender& chosen = contenders[ranked[i]];
-            Completion& completion = *chosen.completion;
+            Completion& completion = *contenders[ranked[i]].completion;
             const double fit = completion.worth();
             fill_pockets(completion.map(), pair, completion.threads(), monitor);
             completion.place_anchors();
-            result[i] = {completion.map(), completion.doubts(), chosen.quality, cores[ranked[i]].count, fit};
+            result[i] = {completion.map(), completion.doubts(), cores[ranked[i]].count, fit};
         },
         monitor, "blend", middle, middle);
     // What they were chosen by was measured before the careful extension, which may turn two that are near each other.

@@ -3,7 +3,6 @@
 
 #include <vector>
 
-#include "blend/choice.h"
 #include "blend/core.h"
 #include "growth/patches.h"
 
@@ -14,8 +13,6 @@ struct Blended {
     PartialMap map;
     /// Per sample the probability that its image is wrong (see Completion::doubts); 0 where unmapped.
     std::vector<double> risk;
-    /// Of the map before careful trimming, by which it was chosen.
-    MapQuality quality;
     int maps_in_core = 0;
     /// Completion::worth() of the map as it is: comparable between searches of one pair.
     double fit = 0.0;

@@ -227,6 +227,7 @@ PreparedPair prepare_pair(const Surface& source, const Surface& target, const Ma
     const double probes = probed ? costs.probes_of_setting() : 0.0;
     double begin = voted;
     for (std::size_t i = 0; i < settings.size(); ++i) {
+        if (best && settings[i].turned() && is_flat(best->pair, options.feature)) break;
         const auto left = static_cast<double>(settings.size() - i - 1);
         const double done = end_of_part(begin, to, costs.setting() + probes, left * (costs.setting() + probes) + later);
         const double end = end_of_part(begin, done, costs.setting(), probes);
@@ -236,7 +237,6 @@ PreparedPair prepare_pair(const Surface& source, const Surface& target, const Ma
             best = std::move(prepared);
             break;
         }
-        if (best && settings[i].turned() && is_flat(prepared.pair, options.feature)) break;
         Stopwatch watch;
         const double quality = probe_setting(prepared.pair, options, monitor, end, done);
         begin = done;
