@@ -52,6 +52,8 @@ class Bake:
     """(l, 2); None until the donor's UV map is transferred."""
     donor_uv: Array
     """(3 G, 2)."""
+    ways: dict[str, str]
+    """Of the new material, as bridge.read_ways()."""
     is_new_map: bool
     own_uv: Array | None = None
     """(l, 2) of the map that is written over, kept where nothing comes."""
@@ -129,7 +131,9 @@ class Bake:
             name = _image_name(obj, item)
             shown.append((item.shown, bridge.write_image(name, pixels, item.space, self.settings.overwrite)))
         constants = [(item, None) for item in self._constants]
-        material = bridge.write_material(f"{obj.name} baked", constants + shown, self.uv_name, self.settings.overwrite)
+        material = bridge.write_material(
+            f"{obj.name} baked", constants + shown, self.ways, self.uv_name, self.settings.overwrite
+        )
         slots = list(obj.data.materials)
         if not slots and not self.polygons.all():
             slots.append(None)
@@ -235,6 +239,7 @@ def _bake(pair: Pair, gift: channels.Gift, settings: BakeSettings) -> Bake:
         name,
         uv,
         gift.uv[pair.given.corners],
+        gift.ways,
         is_new,
         next((layer.values for layer in bridge.read_uv_layers(mesh) if layer.name == name), None),
         list(gift.warnings),

@@ -58,6 +58,8 @@ class Gift:
     uv_name: str
     uv: Array
     """(l, 2), the rendered map."""
+    ways: dict[str, str]
+    """Of the first material, as bridge.read_ways()."""
     warnings: list[str] = field(default_factory=list)
 
     def spread(self) -> None:
@@ -93,7 +95,7 @@ def read(donor: Donor, as_float: bool) -> Gift:
         raise RefusedError(f"{obj.name} has no UV map that would place its images; unwrap it first")
     render = next((layer for layer in layers if layer.is_render), layers[0])
     read_in = {index: bridge.read_inputs(materials[index], obj.name) for index in used}
-    gift = Gift([], slots, render.name, render.values)
+    gift = Gift([], slots, render.name, render.values, bridge.read_ways(materials[used[0]]))
     for index, (_, left_out) in read_in.items():
         gift.warnings += [
             f"{obj.name}: {name} of the material {materials[index].name} comes from no image; it is left out"
@@ -109,6 +111,13 @@ def read(donor: Donor, as_float: bool) -> Gift:
         if _is_baked(list(items.values())):
             _refuse_mixture(obj.name, name, items, gift.warnings)
             gift.inputs.append(_baked(obj.name, items, materials, maps, shown_by, constants, as_float, gift))
+    gift.warnings += [
+        f"{obj.name}: {name} of the material {materials[index].name} is left out; {materials[first].name} has no such "
+        "input"
+        for index, inputs in by_name.items()
+        for name, item in inputs.items()
+        if item.texture and name not in by_name[first]
+    ]
     if not any(item.texture for inputs in by_name.values() for item in inputs.values()):
         raise RefusedError(f"{obj.name}: no material of it has an image; connect one to a Principled BSDF first")
     gift.spread()

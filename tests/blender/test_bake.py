@@ -50,6 +50,52 @@ def inside(matched: MatchedPair, name: str, size: int = SIZE) -> np.ndarray:
     return mask
 
 
+def test_a_material_of_every_kind_of_subsurface_is_baked(textured: MatchedPair) -> None:
+    """Which of them it is decides which inputs a Principled material shows."""
+    shader = textured.donor.data.materials[0].node_tree.nodes["Principled BSDF"]
+    kinds = [item.identifier for item in shader.bl_rna.properties["subsurface_method"].enum_items]
+    assert len(kinds) >= 3
+    shown = set()
+    for kind in kinds:
+        shader.subsurface_method = kind
+        shown.add("Subsurface IOR" in shader.inputs)
+        if "Subsurface IOR" in shader.inputs:
+            shader.inputs["Subsurface IOR"].default_value = 1.7
+        made = bake(textured).node_tree.nodes["Principled BSDF"]
+        assert made.subsurface_method == kind
+        assert {item.name for item in made.inputs} == {item.name for item in shader.inputs}
+        if "Subsurface IOR" in made.inputs:
+            assert made.inputs["Subsurface IOR"].default_value == pytest.approx(1.7)
+    assert True in shown
+
+
+def test_an_input_that_the_first_material_has_not_is_told(
+    textured: MatchedPair, capfd: pytest.CaptureFixture[str]
+) -> None:
+    first = textured.donor.data.materials[0].node_tree.nodes["Principled BSDF"]
+    kinds = [item.identifier for item in first.bl_rna.properties["subsurface_method"].enum_items]
+    made, second = material("Other")
+    texture(made, new_image("Other paint", atlas(SIZE)), second.inputs["Base Color"])
+    for kind in kinds:
+        second.subsurface_method = kind
+        if "Subsurface IOR" in second.inputs and second.inputs["Subsurface IOR"].enabled:
+            break
+    hidden = [kind for kind in kinds if not _shows(first, kind)]
+    if not hidden:
+        pytest.skip("this Blender shows the input in every kind")
+    first.subsurface_method = hidden[0]
+    texture(made, new_image("IOR", atlas(SIZE)), second.inputs["Subsurface IOR"])
+    textured.donor.data.materials.append(made)
+    textured.donor.data.polygons[0].material_index = 1
+    bake(textured)
+    assert "Subsurface IOR of the material Other is left out" in capfd.readouterr().out
+
+
+def _shows(shader: Any, kind: str) -> bool:
+    shader.subsurface_method = kind
+    return "Subsurface IOR" in shader.inputs
+
+
 def test_the_base_colour_arrives_in_the_receivers_own_map(textured: MatchedPair) -> None:
     donor = snapshot(textured.donor)
     made = bake(textured)

@@ -45,7 +45,7 @@ from .meshes import (
     write_property,
     write_vertices,
 )
-from .shading import Input, Texture, read_inputs
+from .shading import Input, Texture, read_inputs, read_ways
 from .tiles import FIRST, read_tiles
 from .unwrap import smart_unwrap
 
@@ -91,6 +91,7 @@ __all__ = [
     "read_receiver",
     "read_tiles",
     "read_uv_layers",
+    "read_ways",
     "read_weights",
     "refuse_unwritable",
     "smart_unwrap",

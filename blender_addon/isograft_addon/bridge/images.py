@@ -79,14 +79,19 @@ def write_image(name: str, pixels: Array, space: str, overwrite: bool) -> Any:
     return image
 
 
-def write_material(name: str, inputs: list[tuple[Input, Any]], uv_map: str, overwrite: bool) -> Any:
-    """A Principled material of constants and images, which are looked up by the UV map `uv_map`."""
+def write_material(
+    name: str, inputs: list[tuple[Input, Any]], ways: dict[str, str], uv_map: str, overwrite: bool
+) -> Any:
+    """A Principled material of constants and images, which are looked up by the UV map `uv_map`; `ways` of
+    read_ways()."""
     old = bpy.data.materials.get(name) if overwrite else None
     material = bpy.data.materials.new(name)
     material.use_nodes = True
     made = principled(material)
     assert made is not None
     shader = made.node
+    for way, chosen in ways.items():
+        setattr(shader, way, chosen)
     nodes, links = material.node_tree.nodes, material.node_tree.links
     place = nodes.new("ShaderNodeUVMap")
     place.uv_map = uv_map

@@ -9,6 +9,7 @@ import numpy as np
 from .meshes import Array, RefusedError
 
 _ADVICE = "or bake the material to images with Cycles first"
+_WAYS = ("distribution", "subsurface_method")
 _COMPONENTS = {"Red": 0, "Green": 1, "Blue": 2, "R": 0, "G": 1, "B": 2}
 
 
@@ -107,6 +108,13 @@ def principled(material: Any) -> Source | None:
         return None
     source = Plug(output.inputs["Surface"]).source()
     return source if source.node is not None and source.node.type == "BSDF_PRINCIPLED" else None
+
+
+def read_ways(material: Any) -> dict[str, str]:
+    """The choices of the material's Principled BSDF that decide which inputs it shows."""
+    shader = principled(material)
+    assert shader is not None
+    return {name: getattr(shader.node, name) for name in _WAYS if hasattr(shader.node, name)}
 
 
 def read_inputs(material: Any, owner: str) -> tuple[list[Input], list[str]]:
