@@ -13,7 +13,8 @@ import numpy as np
 
 from demo.implicit import Array
 
-MODULE = "isograft_addon"
+IS_EXTENSION = bpy.app.version >= (4, 2, 0)
+MODULE = "bl_ext.user_default.isograft_addon" if IS_EXTENSION else "isograft_addon"
 
 
 def install(zip_path: Path) -> None:
@@ -22,8 +23,11 @@ def install(zip_path: Path) -> None:
     Raises:
         RuntimeError: Blender does not enable it.
     """
-    bpy.ops.preferences.addon_install(overwrite=True, filepath=str(zip_path))
-    bpy.ops.preferences.addon_enable(module=MODULE)
+    if IS_EXTENSION:
+        bpy.ops.extensions.package_install_files(filepath=str(zip_path), repo="user_default", enable_on_install=True)
+    else:
+        bpy.ops.preferences.addon_install(overwrite=True, filepath=str(zip_path))
+        bpy.ops.preferences.addon_enable(module=MODULE)
     if addon_utils.check(MODULE) != (True, True):
         raise RuntimeError(f"Blender did not enable the add-on of {zip_path}")
 

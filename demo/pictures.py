@@ -106,12 +106,13 @@ def arrange(items: list[bpy.types.Object], words: list[str], pixels: int) -> lis
     for item in bpy.context.scene.objects:
         if item.type == "MESH" and item.name != "Ground":
             item.hide_render = item not in items
-    scene.frame(items, AZIMUTH, ELEVATION, pixels, below=0.16)
-    size = 0.075 * float(np.ptp(scene.world_points(items)[:, 2]))
+    height = float(np.ptp(scene.world_points(items)[:, 2]))
     right = np.array([math.cos(math.radians(AZIMUTH)), math.sin(math.radians(AZIMUTH)), 0.0])
+    size = max(0.075 * height, 0.016 * float(np.ptp(scene.world_points(items) @ right)))
     for text, item in zip(words, items, strict=True):
         # A letter is about half as wide as the text is high; narrow things stand close together.
         size = min(size, float(np.ptp(scene.world_points([item]) @ right)) / (0.5 * len(text)))
+    scene.frame(items, AZIMUTH, ELEVATION, pixels, below=max(0.16, 2.1 * size / height))
     captions = [scene.caption(text, item, size) for text, item in zip(words, items, strict=True)]
     scene.level(captions)
     return captions

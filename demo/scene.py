@@ -98,7 +98,7 @@ def studio(samples: int, size: float = 0.0) -> None:
     scene.cycles.samples = samples
     scene.cycles.use_adaptive_sampling = True
     scene.cycles.adaptive_threshold = 0.03
-    scene.cycles.use_denoising = False  # Debian's Blender has no denoiser
+    scene.cycles.use_denoising = bpy.app.version >= (4, 2, 0)  # Debian's Blender has no denoiser
     scene.cycles.max_bounces = 2
     scene.cycles.caustics_reflective = scene.cycles.caustics_refractive = False
     scene.view_settings.view_transform = "Filmic"

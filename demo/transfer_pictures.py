@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender script: the pictures of docs/transfer.md, each kind of data on the donor and on the receiver.
+"""The pictures of docs/transfer.md: each kind of data on the donor, and the receiver before and after.
 
-    blender -b PAIR.blend --python-exit-code 1 -P demo/transfer_pictures.py -- FOLDER ZIP [NAME...]
+    python demo/transfer_pictures.py -- PAIR.blend FOLDER ZIP [NAME...]
 
-PAIR.blend is that of demo/make_pair.py. Writes transfer_<NAME>.jpg into FOLDER, all or the named ones.
+The Python is one that has bpy 4.2 or later: older Blenders hide the face sets. PAIR.blend is that of demo/make_pair.py.
+Writes transfer_<NAME>.jpg into FOLDER, all or the named ones.
 """
 
 import sys
@@ -18,9 +19,10 @@ import numpy as np
 from demo import addon, creature, pictures, scene
 from demo.implicit import Array
 
-PIXELS, SAMPLES = 1100, 24
+PIXELS, SAMPLES = 1400, 48
 SWOLLEN = "spine.4"
 """The bone whose part of the surface the shape key swells."""
+FACE_SETS = ".sculpt_face_set"
 MARK = (0.85, 0.12, 0.05)
 
 
@@ -36,6 +38,41 @@ def copy_of(item: bpy.types.Object) -> bpy.types.Object:
     """The object with a mesh of its own."""
     twin = item.copy()
     twin.data = item.data.copy()
+    bpy.context.scene.collection.objects.link(twin)
+    return twin
+
+
+def bare(item: bpy.types.Object) -> bpy.types.Object:
+    """A copy that shows nothing but its shape."""
+    twin = copy_of(item)
+    twin.data.materials.clear()
+    twin.data.materials.append(scene.plain_material("Bare", scene.BARE))
+    return twin
+
+
+def seam_lines(item: bpy.types.Object, width: float) -> bpy.types.Object:
+    """The seams of an object as lines that go where it goes."""
+    curve = bpy.data.curves.new("Seams", "CURVE")
+    curve.dimensions, curve.bevel_depth = "3D", 0.5 * width
+    for edge in item.data.edges:
+        if not edge.use_seam:
+            continue
+        line = curve.splines.new("POLY")
+        line.points.add(1)
+        for point, vertex in zip(line.points, edge.vertices, strict=True):
+            point.co = (*item.data.vertices[vertex].co, 1.0)
+    curve.materials.append(scene.plain_material("Seam", MARK))
+    lines = bpy.data.objects.new("Seams", curve)
+    bpy.context.scene.collection.objects.link(lines)
+    lines.parent = item
+    return lines
+
+
+def frozen(item: bpy.types.Object) -> bpy.types.Object:
+    """A copy in the shape that it is seen in, hanging on nothing."""
+    seen = item.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    twin = bpy.data.objects.new(item.name, bpy.data.meshes.new_from_object(seen))
+    twin.matrix_world = item.matrix_world
     bpy.context.scene.collection.objects.link(twin)
     return twin
 
@@ -73,30 +110,23 @@ class Album:
 
     def uv(self) -> None:
         """One checker on both UV maps, seams of the receiver drawn on it."""
+        before = bare(self.receiver)
         self.graft(what={"UV"}, link_materials=False)
         checker = scene.checker_material("Checker", 40.0)
-        items = [copy_of(self.donor), copy_of(self.receiver), copy_of(self.receiver)]
-        for item in items[:2]:
+        items = [copy_of(self.donor), before, copy_of(self.receiver), bare(self.receiver)]
+        for item in (items[0], items[2]):
             item.data.materials.clear()
             item.data.materials.append(checker)
-        seams = np.zeros(len(items[2].data.edges), dtype=bool)
-        items[2].data.edges.foreach_get("use_seam", seams)
-        ends = np.zeros(2 * len(seams), dtype=np.int32)
-        items[2].data.edges.foreach_get("vertices", ends)
-        colours = np.tile([0.6, 0.6, 0.6, 1.0], (len(items[2].data.vertices), 1))
-        colours[np.unique(ends.reshape(-1, 2)[seams])] = (*MARK, 1.0)
-        coloured(items[2], "Seams", colours)
-        self.shoot("uv", items, ["donor's UV map", "on the receiver", "seams marked"])
-        pictures.remove(items)
+        lines = seam_lines(items[3], 0.006 * max(self.receiver.dimensions))
+        self.shoot("uv", items, ["donor's UV map", "receiver before", "on the receiver", "seams marked"])
+        pictures.remove([lines, *items])
 
     def textures(self) -> None:
         """The donor's image and relief in a new unwrap of the receiver, unmatched parts left alone and filled."""
-        bare = copy_of(self.receiver)
-        bare.data.materials.clear()
-        bare.data.materials.append(scene.plain_material("Bare", scene.BARE))
-        items = [self.donor, bare]
+        before = bare(self.receiver)
+        items = [self.donor, before]
         for fill in (False, True):
-            receiver = copy_of(bare)
+            receiver = copy_of(before)
             addon.select(self.donor, receiver)
             if bpy.ops.object.isograft_bake(size=2048, uv_source="UNWRAP", fill=fill) != {"FINISHED"}:
                 raise RuntimeError("the bake did not finish")
@@ -106,7 +136,7 @@ class Album:
 
     def colours(self) -> None:
         """A colour attribute, unmatched parts left black, and filled on request."""
-        items = [copy_of(self.donor)]
+        items = [copy_of(self.donor), bare(self.receiver)]
         items[0].data.materials.clear()
         items[0].data.materials.append(scene.attribute_material("Parts", "Parts"))
         for fill in (False, True):
@@ -114,11 +144,13 @@ class Album:
             items.append(copy_of(self.receiver))
             items[-1].data.materials.clear()
             items[-1].data.materials.append(scene.attribute_material("Parts", "Parts"))
-        self.shoot("colours", items, ["donor's colours", "unmatched left alone", "filled on request"])
+        words = ["donor's colours", "receiver before", "unmatched left alone", "filled on request"]
+        self.shoot("colours", items, words)
         pictures.remove(items)
 
     def groups(self) -> None:
-        """The weights of one bone."""
+        """The weights of one bone, and the receiver before and after."""
+        before = bare(self.receiver)
         self.graft(what={"GROUPS"}, overwrite=True, normalise=True)
         names = list(self.donor.vertex_groups.keys())
         items = [copy_of(self.donor), copy_of(self.receiver)]
@@ -126,7 +158,8 @@ class Album:
         bone = int(weights[0].sum(axis=0).argmax())
         for item, weight in zip(items, weights, strict=True):
             coloured(item, "Weight", pictures.heat(weight[:, bone], np.ones(len(weight), dtype=bool)))
-        self.shoot("groups", items, [f"donor's weights of {names[bone]}", "on the receiver"])
+        items.insert(1, before)
+        self.shoot("groups", items, [f"donor's weights of {names[bone]}", "receiver before", "on the receiver"])
         pictures.remove(items)
 
     def keys(self) -> None:
@@ -146,16 +179,19 @@ class Album:
         shape = points + 0.15 * size * chest[:, None] * normals
         key.data.foreach_set("co", shape.astype(np.float32).ravel())
         self.graft(what={"KEYS"}, fill=True)
-        items = [copy_of(self.donor), copy_of(self.receiver), copy_of(self.receiver)]
-        for item in (items[0], items[2]):
-            item.data.shape_keys.key_blocks["Swell"].value = 1.0
+        items = []
+        for item in (self.donor, self.receiver):
+            for value in (0.0, 1.0):
+                item.data.shape_keys.key_blocks["Swell"].value = value
+                items.append(frozen(item))
         plain = scene.plain_material("Clay", (0.45, 0.33, 0.26))
         for item in items:
             item.data.materials.clear()
             item.data.materials.append(plain)
-        self.shoot("keys", items, ["donor's shape key at 1", "receiver, key at 0", "receiver, key at 1"])
+        self.shoot("keys", items, ["donor, key at 0", "donor, key at 1", "receiver, key at 0", "receiver, key at 1"])
         pictures.remove(items)
-        self.donor.shape_key_clear()
+        for item in (self.donor, self.receiver):
+            item.shape_key_clear()
 
     def materials(self) -> None:
         """Per-face materials: one for every bone's part of the surface."""
@@ -170,14 +206,39 @@ class Album:
         first = np.array([polygon.vertices[0] for polygon in twin.data.polygons])
         twin.data.polygons.foreach_set("material_index", part[first].astype(np.int32))
         twin.data.update()
+        items = [copy_of(twin), bare(self.receiver)]
         self.graft(what={"MATERIALS"})
-        items = [copy_of(twin), copy_of(self.receiver)]
-        self.shoot("materials", items, ["donor's materials", "face by face on the receiver"])
+        items.append(copy_of(self.receiver))
+        self.shoot("materials", items, ["donor's materials", "receiver before", "face by face on the receiver"])
         pictures.remove(items)
         twin.data.materials.clear()
         for material in kept:
             twin.data.materials.append(material)
         twin.data.polygons.foreach_set("material_index", np.zeros(len(first), dtype=np.int32))
+
+    def face_sets(self) -> None:
+        """Face sets, one for every bone's part of the surface, in colours of their own; the receiver has none."""
+        names = list(self.donor.vertex_groups.keys())
+        part = creature.read_weights(self.donor, names).argmax(axis=1)
+        mesh = self.donor.data
+        sets = mesh.attributes.new(FACE_SETS, "INT", "FACE")
+        sets.data.foreach_set("value", np.array([part[polygon.vertices[0]] + 1 for polygon in mesh.polygons], np.int32))
+        items = [copy_of(self.donor), bare(self.receiver)]
+        self.graft(what={"FACE_SETS"}, fill=True)
+        items.append(copy_of(self.receiver))
+        for item in (items[0], items[2]):
+            found = np.empty(len(item.data.polygons), np.int32)
+            item.data.attributes[FACE_SETS].data.foreach_get("value", found)
+            hue = (0.618 * found[:, None] + (0.0, 0.33, 0.67)) % 1.0
+            colours = np.column_stack([0.5 + 0.4 * np.cos(2 * np.pi * hue), np.ones(len(found))])
+            layer = item.data.color_attributes.new("Sets", "FLOAT_COLOR", "CORNER")
+            corners = np.repeat(colours, [polygon.loop_total for polygon in item.data.polygons], axis=0)
+            layer.data.foreach_set("color", corners.astype(np.float32).ravel())
+            item.data.materials.clear()
+            item.data.materials.append(scene.attribute_material("Sets", "Sets"))
+        self.shoot("face_sets", items, ["donor's face sets", "receiver before", "on the receiver, filled"])
+        pictures.remove(items)
+        mesh.attributes.remove(mesh.attributes[FACE_SETS])
 
     def attributes(self) -> None:
         """A number of every point, unmatched parts left at 0 (grey), and filled on request."""
@@ -186,20 +247,23 @@ class Album:
         layer = self.donor.data.attributes.new("Bands", "FLOAT", "POINT")
         layer.data.foreach_set("value", bands.astype(np.float32))
         matched = addon.read_attribute(self.receiver, "isograft_face") >= 0
-        items = [copy_of(self.donor)]
+        items = [copy_of(self.donor), bare(self.receiver)]
         coloured(items[0], "Shown", pictures.heat(bands, np.ones(len(bands), dtype=bool)))
         for known in (matched, np.ones_like(matched)):
             self.graft(what={"ATTRIBUTES"}, attribute_names="Bands", fill=bool(known.all()), overwrite=True)
             items.append(copy_of(self.receiver))
             coloured(items[-1], "Shown", pictures.heat(addon.read_attribute(self.receiver, "Bands"), known))
-        self.shoot("attributes", items, ["donor's attribute", "unmatched left alone", "filled on request"])
+        words = ["donor's attribute", "receiver before", "unmatched left alone", "filled on request"]
+        self.shoot("attributes", items, words)
         pictures.remove(items)
         self.donor.data.attributes.remove(self.donor.data.attributes["Bands"])
 
     def normals(self) -> None:
         """Custom normals that shade the donor as if it were carved, and the receiver before and after."""
-        kept = self.donor.data
-        self.donor.data = mesh = kept.copy()
+        kept = [(item, item.data) for item in (self.donor, self.receiver)]
+        for item, own in kept:
+            item.data = own.copy()
+        mesh = self.donor.data
         mesh.polygons.foreach_set("use_smooth", np.ones(len(mesh.polygons), dtype=bool))
         if hasattr(mesh, "use_auto_smooth"):
             mesh.use_auto_smooth = True
@@ -220,7 +284,8 @@ class Album:
         items[1].data.polygons.foreach_set("use_smooth", np.ones(len(items[1].data.polygons), dtype=bool))
         self.shoot("normals", items, ["donor's custom normals", "receiver before", "turned with the surface"])
         pictures.remove(items)
-        self.donor.data = kept
+        for item, own in kept:
+            item.data = own
 
     def wrap(self) -> None:
         """The donor's mesh on the scan, what was completed in another colour."""
@@ -235,16 +300,15 @@ class Album:
         colours = np.tile([0.45, 0.5, 0.6, 1.0], (len(filled), 1))
         colours[filled] = (*MARK, 1.0)
         coloured(made, "Filled", colours)
-        bare = copy_of(self.receiver)
-        bare.data.materials.clear()
-        bare.data.materials.append(scene.plain_material("Bare", scene.BARE))
-        self.shoot("wrap", [self.donor, bare, made], ["donor", "receiver", "donor's mesh; red: completed"])
-        pictures.remove([bare, made])
+        before = bare(self.receiver)
+        self.shoot("wrap", [self.donor, before, made], ["donor", "receiver", "donor's mesh; red: completed"])
+        pictures.remove([before, made])
 
 
-def main(folder: Path, zip_path: Path, names: list[str]) -> None:
+def main(pair: Path, folder: Path, zip_path: Path, names: list[str]) -> None:
     """Take the named pictures, or all."""
     addon.install(zip_path)
+    bpy.ops.wm.open_mainfile(filepath=str(pair))
     album = Album(folder)
     takes: dict[str, Callable[[], None]] = {
         "uv": album.uv,
@@ -252,6 +316,7 @@ def main(folder: Path, zip_path: Path, names: list[str]) -> None:
         "groups": album.groups,
         "keys": album.keys,
         "materials": album.materials,
+        "face_sets": album.face_sets,
         "attributes": album.attributes,
         "normals": album.normals,
         "wrap": album.wrap,
@@ -264,4 +329,4 @@ def main(folder: Path, zip_path: Path, names: list[str]) -> None:
 
 if __name__ == "__main__":
     arguments = sys.argv[sys.argv.index("--") + 1 :]
-    main(Path(arguments[0]).resolve(), Path(arguments[1]).resolve(), arguments[2:])
+    main(*(Path(argument).resolve() for argument in arguments[:3]), arguments[3:])
