@@ -95,4 +95,20 @@ void check_placement(const Correspondence& correspondence, const ReceiverMesh& r
         "`receiver_polygons` is negative", "number polygons from 0");
 }
 
+void check_values_known(const Points& vertices, const Triangles& faces, const CornerValues& values, const Mask& known) {
+    check_faces(faces, vertices.rows(), "faces");
+    check_finite(vertices, "vertices");
+    const auto same = [&](Eigen::Index rows, const char* name) {
+        if (rows == vertices.rows()) return;
+        throw InvalidInput(std::string("`") + name + "` has " + std::to_string(rows) + " rows, expected " +
+                           std::to_string(vertices.rows()) + ", one per vertex");
+    };
+    same(values.rows(), "values");
+    same(known.rows(), "known");
+    for (Eigen::Index v = 0; v < known.rows(); ++v) {
+        if (!known[v] || values.row(v).array().isFinite().all()) continue;
+        throw InvalidInput("`values` holds NaN or infinity in row " + std::to_string(v) + ", which is known");
+    }
+}
+
 }  // namespace isograft

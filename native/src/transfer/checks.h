@@ -16,6 +16,8 @@ void check_corner_values(const CornerValues& values, Eigen::Index face_count, co
 /// \throw InvalidInput unless matched rows point into `donor_face_count` triangles with weights >= 0 that sum to 1, and
 /// the other arrays are as long as `face`.
 void check_correspondence(const Correspondence& correspondence, Eigen::Index donor_face_count);
+/// \throw InvalidInput unless faces and vertices fit, and there is one row of values, finite where known, per vertex.
+void check_values_known(const Points& vertices, const Triangles& faces, const CornerValues& values, const Mask& known);
 /// All of what place_corners() is given.
 void check_placement(const Correspondence& correspondence, const ReceiverMesh& receiver, const DonorMesh& donor,
                      const CornerValues& donor_values);

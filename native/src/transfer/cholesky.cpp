@@ -5,14 +5,9 @@
 #include <cmath>
 
 #include "isograft/errors.h"
+#include "transfer/pace.h"
 
 namespace isograft {
-
-namespace {
-
-constexpr int rows_a_check = 1024;
-
-}  // namespace
 
 Cholesky::Cholesky(const RowMatrix& matrix, Piece piece) {
     piece.check();

@@ -6,11 +6,12 @@
 #include <cstddef>
 #include <vector>
 
+#include "transfer/pace.h"
+
 namespace isograft {
 
 namespace {
 
-constexpr Eigen::Index rows_a_check = 1024;
 constexpr double raised = 1e-12;
 
 // One row of the energy as a function of the parameters.

@@ -10,6 +10,8 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
+#include "transfer/pace.h"
+
 namespace isograft {
 
 using Eigen::Matrix3d;
@@ -18,7 +20,6 @@ using Eigen::Vector3d;
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr int rows_a_check = 1024;
 // Edges from what is known within which every vertex is free.
 constexpr int free_rings = 6;
 // Distance of nodes over that from what is known, and the radius of their weights over the distance of nodes.

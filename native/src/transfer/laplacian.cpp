@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -16,30 +17,58 @@ constexpr double least_weight = 1e-3;
 constexpr double largest_weight = 1e3;
 // Share of the mean area that a vertex has at least.
 constexpr double least_area = 1e-6;
+// Height of a triangle over its longest edge.
+constexpr double least_height = 1e-3;
 
-}  // namespace
+// Vertices at the two ends of an edge, and that at the corner across it.
+struct Corner {
+    int i, j, k;
+};
 
-Eigen::SparseMatrix<double> laplacian(const Points& vertices, const Triangles& faces) {
+std::pair<Vector3d, Vector3d> edges_at(const Points& vertices, const Corner& corner) {
+    return {(vertices.row(corner.i) - vertices.row(corner.k)).transpose(),
+            (vertices.row(corner.j) - vertices.row(corner.k)).transpose()};
+}
+
+// \param weight of the edge across a corner.
+template <class Weight>
+Eigen::SparseMatrix<double> assemble(const Triangles& faces, Eigen::Index vertex_count, const Weight& weight) {
     std::vector<Eigen::Triplet<double>> entries;
     entries.reserve(12 * static_cast<std::size_t>(faces.rows()));
     for (Eigen::Index f = 0; f < faces.rows(); ++f) {
         for (int c = 0; c < 3; ++c) {
-            const int i = faces(f, (c + 1) % 3), j = faces(f, (c + 2) % 3), k = faces(f, c);
+            const int i = faces(f, (c + 1) % 3), j = faces(f, (c + 2) % 3);
             if (i == j) continue;
-            const Vector3d a = (vertices.row(i) - vertices.row(k)).transpose();
-            const Vector3d b = (vertices.row(j) - vertices.row(k)).transpose();
-            const double sine = a.cross(b).norm();
-            const double cotangent = sine > 0.0 ? a.dot(b) / sine : largest_weight;
-            const double weight = std::clamp(0.5 * cotangent, least_weight, largest_weight);
-            entries.emplace_back(i, j, -weight);
-            entries.emplace_back(j, i, -weight);
-            entries.emplace_back(i, i, weight);
-            entries.emplace_back(j, j, weight);
+            const double value = weight(Corner{i, j, faces(f, c)});
+            entries.emplace_back(i, j, -value);
+            entries.emplace_back(j, i, -value);
+            entries.emplace_back(i, i, value);
+            entries.emplace_back(j, j, value);
         }
     }
-    Eigen::SparseMatrix<double> matrix(vertices.rows(), vertices.rows());
+    Eigen::SparseMatrix<double> matrix(vertex_count, vertex_count);
     matrix.setFromTriplets(entries.begin(), entries.end());
     return matrix;
+}
+
+}  // namespace
+
+Eigen::SparseMatrix<double> laplacian(const Points& vertices, const Triangles& faces) {
+    return assemble(faces, vertices.rows(), [&](const Corner& corner) {
+        const auto [a, b] = edges_at(vertices, corner);
+        const double longest = std::max({a.squaredNorm(), b.squaredNorm(), (b - a).squaredNorm()});
+        const double sine = std::max(a.cross(b).norm(), least_height * longest);
+        return 0.5 * (sine > 0.0 ? a.dot(b) / sine : 1.0);
+    });
+}
+
+Eigen::SparseMatrix<double> positive_laplacian(const Points& vertices, const Triangles& faces) {
+    return assemble(faces, vertices.rows(), [&](const Corner& corner) {
+        const auto [a, b] = edges_at(vertices, corner);
+        const double sine = a.cross(b).norm();
+        const double cotangent = sine > 0.0 ? a.dot(b) / sine : largest_weight;
+        return std::clamp(0.5 * cotangent, least_weight, largest_weight);
+    });
 }
 
 Eigen::VectorXd vertex_areas(const Points& vertices, const Triangles& faces) {

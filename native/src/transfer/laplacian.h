@@ -10,9 +10,13 @@
 
 namespace isograft {
 
-/// #V by #V, positive semidefinite: cotangent weights of the edges, each held between 1/1000 and 1000 so that slivers
-/// and obtuse triangles do no harm. Rows of vertices in no triangle are 0.
+/// #V by #V, positive semidefinite: cotangent weights of the edges, of obtuse angles negative, so that linear functions
+/// of a plane have the value 0 away from its border. Triangles flatter than 1/1000 of their longest edge count as no
+/// flatter. Rows of vertices in no triangle are 0.
 Eigen::SparseMatrix<double> laplacian(const Points& vertices, const Triangles& faces);
+
+/// The same with the weights of each corner held between 1/1000 and 1000, for what asks for positive ones.
+Eigen::SparseMatrix<double> positive_laplacian(const Points& vertices, const Triangles& faces);
 
 /// #V: a third of the area of the triangles around; at least a tiny share of the mean.
 Eigen::VectorXd vertex_areas(const Points& vertices, const Triangles& faces);

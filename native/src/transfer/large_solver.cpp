@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "transfer/large_solver.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -11,8 +12,7 @@ namespace isograft {
 
 namespace {
 
-// Of one Chebyshev polynomial, and the share of the spectrum that it damps evenly.
-constexpr int degree = 5;
+// The share of the spectrum that a Chebyshev polynomial damps evenly.
 constexpr double damped_from = 1.0 / 30.0;
 
 // Column by column.
@@ -42,13 +42,36 @@ SquaredRows bending_rows(const Eigen::SparseMatrix<double>& laplacian, const Eig
         if (entries.size() > before) weights.push_back(1.0 / areas[v]);
     }
     const auto count = static_cast<Eigen::Index>(weights.size());
-    SquaredRows result{RowMatrix(count, unknowns.count()), Eigen::Map<const Eigen::VectorXd>(weights.data(), count)};
+    SquaredRows result{
+        RowMatrix(count, unknowns.count()), Eigen::Map<const Eigen::VectorXd>(weights.data(), count), {}};
     result.rows.setFromTriplets(entries.begin(), entries.end());
     return result;
 }
 
-LargeSolver::LargeSolver(const SquaredRows& energy, const GradedSpace& space, Piece piece)
-    : energy_(energy), space_(space), scale_(Eigen::VectorXd::Zero(energy.rows.cols())) {
+SquaredRows stretching_rows(const Eigen::SparseMatrix<double>& laplacian, const Unknowns& unknowns) {
+    std::vector<Eigen::Triplet<double>> entries;
+    std::vector<double> weights;
+    for (Eigen::Index i = 0; i < unknowns.count(); ++i) {
+        const int v = unknowns.vertex[i];
+        for (Eigen::SparseMatrix<double>::InnerIterator it(laplacian, v); it; ++it) {
+            const int slot = unknowns.slot[it.row()];
+            // An edge of two unknown vertices is met at both.
+            if (it.row() == v || (slot >= 0 && slot < i) || !(it.value() < 0.0)) continue;
+            const int row = static_cast<int>(weights.size());
+            entries.emplace_back(row, static_cast<int>(i), 1.0);
+            if (slot >= 0) entries.emplace_back(row, slot, -1.0);
+            weights.push_back(-it.value());
+        }
+    }
+    const auto count = static_cast<Eigen::Index>(weights.size());
+    SquaredRows result{RowMatrix(count, unknowns.count()), Eigen::Map<const Eigen::VectorXd>(weights.data(), count),
+                       RowMatrix(unknowns.block(laplacian))};
+    result.rows.setFromTriplets(entries.begin(), entries.end());
+    return result;
+}
+
+LargeSolver::LargeSolver(const SquaredRows& energy, const GradedSpace& space, int degree, Piece piece)
+    : energy_(energy), space_(space), degree_(degree), scale_(Eigen::VectorXd::Zero(energy.rows.cols())) {
     // (row . x)^2 <= sum |row| sum |row| x^2.
     for (Eigen::Index row = 0; row < energy.rows.rows(); ++row) {
         double sum = 0.0;
@@ -65,9 +88,6 @@ LargeSolver::LargeSolver(const SquaredRows& energy, const GradedSpace& space, Pi
 CornerValues LargeSolver::improve(const CornerValues& right, CornerValues start, int steps, Piece piece) const {
     CornerValues x = std::move(start);
     CornerValues residual = right - apply(x, piece.monitor());
-    const CornerValues coarse = within_space(residual, piece.monitor());
-    x += coarse;
-    residual -= apply(coarse, piece.monitor());
     CornerValues direction = CornerValues::Zero(x.rows(), x.cols());
     Eigen::RowVectorXd gain = Eigen::RowVectorXd::Zero(x.cols());
     for (int step = 0; step < steps; ++step) {
@@ -93,12 +113,30 @@ CornerValues LargeSolver::improve(const CornerValues& right, CornerValues start,
 CornerValues LargeSolver::apply(const CornerValues& x, Monitor& monitor) const {
     monitor.check();
     CornerValues result = CornerValues::Zero(x.rows(), x.cols());
-    Eigen::RowVectorXd sum(x.cols());
+    const Eigen::Index width = x.cols();
+    std::vector<double> sum(width);
+    for (Eigen::Index row = 0; row < energy_.product.rows(); ++row) {
+        double* to = result.data() + row * width;
+        for (RowMatrix::InnerIterator it(energy_.product, row); it; ++it) {
+            const double value = it.value();
+            const double* from = x.data() + it.col() * width;
+            for (Eigen::Index k = 0; k < width; ++k) to[k] += value * from[k];
+        }
+    }
+    if (energy_.product.rows() > 0) return result;
     for (Eigen::Index row = 0; row < energy_.rows.rows(); ++row) {
-        sum.setZero();
-        for (RowMatrix::InnerIterator it(energy_.rows, row); it; ++it) sum += it.value() * x.row(it.col());
-        sum *= energy_.weights[row];
-        for (RowMatrix::InnerIterator it(energy_.rows, row); it; ++it) result.row(it.col()) += it.value() * sum;
+        std::fill(sum.begin(), sum.end(), 0.0);
+        for (RowMatrix::InnerIterator it(energy_.rows, row); it; ++it) {
+            const double value = it.value();
+            const double* from = x.data() + it.col() * width;
+            for (Eigen::Index k = 0; k < width; ++k) sum[k] += value * from[k];
+        }
+        for (double& one : sum) one *= energy_.weights[row];
+        for (RowMatrix::InnerIterator it(energy_.rows, row); it; ++it) {
+            const double value = it.value();
+            double* to = result.data() + it.col() * width;
+            for (Eigen::Index k = 0; k < width; ++k) to[k] += value * sum[k];
+        }
     }
     return result;
 }
@@ -110,7 +148,7 @@ CornerValues LargeSolver::smooth(const CornerValues& right, Monitor& monitor) co
     CornerValues residual = right;
     CornerValues step = scale_.asDiagonal() * residual / middle;
     CornerValues x = step;
-    for (int k = 1; k < degree; ++k) {
+    for (int k = 1; k < degree_; ++k) {
         residual -= apply(step, monitor);
         const double next = 1.0 / (2.0 * middle / half - rho);
         step = next * rho * step + 2.0 * next / half * (scale_.asDiagonal() * residual);

@@ -4,13 +4,9 @@
 #include <algorithm>
 #include <vector>
 
+#include "transfer/pace.h"
+
 namespace isograft {
-
-namespace {
-
-constexpr Eigen::Index rows_a_check = 1024;
-
-}  // namespace
 
 RowMatrix multiply(const RowMatrix& a, const RowMatrix& b, Monitor& monitor) {
     std::vector<double> sum(b.cols(), 0.0);

@@ -14,6 +14,7 @@ namespace isograft {
 
 namespace {
 
+constexpr int degree = 5;
 constexpr int conjugate_gradients = 6;
 // So that many columns take no more memory than a few.
 constexpr Eigen::Index columns_at_once = 8;
@@ -41,15 +42,15 @@ std::optional<CornerValues> solve_nearly(const Points& vertices, const Eigen::Sp
                                          Eigen::Index large, Piece piece) {
     const GradedSpace space(vertices, areas, RowMatrix(laplacian), unknowns, hole_sizes, large, piece.until(0.2));
     const SquaredRows energy = bending_rows(laplacian, areas, unknowns);
-    const LargeSolver solver(energy, space, piece.until(0.6));
+    const LargeSolver solver(energy, space, degree, piece.until(0.6));
     if (!solver.usable()) return std::nullopt;
     CornerValues solved(right.rows(), right.cols());
     for (Eigen::Index begin = 0; begin < right.cols(); begin += columns_at_once) {
         const Eigen::Index width = std::min(columns_at_once, right.cols() - begin);
         const double share = static_cast<double>(begin + width) / static_cast<double>(right.cols());
-        solved.middleCols(begin, width) =
-            solver.improve(right.middleCols(begin, width), CornerValues::Zero(right.rows(), width), conjugate_gradients,
-                           piece.until(0.6 + 0.4 * share));
+        const CornerValues some = right.middleCols(begin, width);
+        solved.middleCols(begin, width) = solver.improve(some, solver.within_space(some, piece.monitor()),
+                                                         conjugate_gradients, piece.until(0.6 + 0.4 * share));
     }
     if (!solved.allFinite()) return std::nullopt;
     return solved;

@@ -9,13 +9,12 @@
 #include "base/piece.h"
 #include "isograft/errors.h"
 #include "transfer/checks.h"
+#include "transfer/pace.h"
 #include "transfer/seams.h"
 
 namespace isograft {
 
 namespace {
-
-constexpr Eigen::Index rows_a_check = 1024;
 
 int heaviest(const Eigen::RowVector3d& weights) {
     int corner = 0;

@@ -2,13 +2,13 @@
 #include "transfer/large_solver.h"
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "isograft/errors.h"
+#include "open_hole.h"
 #include "shapes.h"
 #include "transfer/galerkin.h"
 
@@ -16,51 +16,15 @@ namespace isograft {
 
 namespace {
 
-// A shape of which only what lies below a plane is known, and some smooth values on it, 1 at most.
-struct Hole {
-    explicit Hole(const shapes::Shape& given)
-        : shape(given),
-          first(laplacian(shape.vertices, shape.faces)),
-          areas(vertex_areas(shape.vertices, shape.faces)),
-          known(shape.vertices.col(2).array() < 0.0),
-          unknowns(shape.faces, known),
-          energy(bending_rows(first, areas, unknowns)) {}
+// A hole with its space and its solver.
+struct Solver {
+    explicit Solver(const shapes::Shape& shape)
+        : hole(shape), space(hole.space()), nearly(hole.energy, space, 5, monitor) {}
 
-    [[nodiscard]] GradedSpace space(Eigen::Index few = 0) const {
-        Monitor monitor;
-        return {shape.vertices, areas, RowMatrix(first), unknowns, unknowns.hole_sizes(first), few, monitor};
-    }
-
-    [[nodiscard]] Eigen::SparseMatrix<double> matrix() const {
-        const Eigen::SparseMatrix<double> rows(energy.rows);
-        return rows.transpose() * energy.weights.asDiagonal() * rows;
-    }
-
-    // What the known values ask for: the first column of positions, the others waves.
-    [[nodiscard]] CornerValues right() const {
-        CornerValues values = CornerValues::Zero(shape.vertices.rows(), 3);
-        for (Eigen::Index v = 0; v < values.rows(); ++v) {
-            if (!known[v]) continue;
-            const double x = shape.vertices(v, 0), y = shape.vertices(v, 1);
-            values.row(v) << x, std::sin(4.0 * x) * std::cos(3.0 * y), x > 0.2 ? 1.0 : 0.0;
-        }
-        const Eigen::MatrixXd pull = first * (areas.cwiseInverse().asDiagonal() * (first * values));
-        CornerValues rows(unknowns.count(), 3);
-        for (Eigen::Index i = 0; i < unknowns.count(); ++i) rows.row(i) = -pull.row(unknowns.vertex[i]);
-        return rows;
-    }
-
-    [[nodiscard]] CornerValues exact() const {
-        Monitor monitor;
-        return Cholesky(RowMatrix(matrix()), monitor).solve(right(), monitor);
-    }
-
-    shapes::Shape shape;
-    Eigen::SparseMatrix<double> first;
-    Eigen::VectorXd areas;
-    Mask known;
-    Unknowns unknowns;
-    SquaredRows energy;
+    Monitor monitor;
+    const OpenHole hole;
+    const GradedSpace space;
+    const LargeSolver nearly;
 };
 
 double farthest(const CornerValues& a, const CornerValues& b) { return (a - b).cwiseAbs().maxCoeff(); }
@@ -68,14 +32,25 @@ double farthest(const CornerValues& a, const CornerValues& b) { return (a - b).c
 }  // namespace
 
 TEST(BendingRows, AreTheSquareOfTheLaplacianOverTheAreas) {
-    const Hole hole(shapes::blob(3));
+    const OpenHole hole(shapes::blob(3));
     const Eigen::SparseMatrix<double> whole = hole.first * hole.areas.cwiseInverse().asDiagonal() * hole.first;
     const Eigen::MatrixXd expected = hole.unknowns.block(whole);
     EXPECT_LE((Eigen::MatrixXd(hole.matrix()) - expected).norm(), 1e-12 * expected.norm());
 }
 
+TEST(StretchingRows, AreTheLaplacian) {
+    const OpenHole hole(shapes::blob(3));
+    const Eigen::SparseMatrix<double> first = positive_laplacian(hole.shape.vertices, hole.shape.faces);
+    const SquaredRows energy = stretching_rows(first, hole.unknowns);
+    const Eigen::SparseMatrix<double> rows(energy.rows);
+    const Eigen::MatrixXd found = Eigen::SparseMatrix<double>(rows.transpose() * energy.weights.asDiagonal() * rows);
+    const Eigen::MatrixXd expected = hole.unknowns.block(first);
+    EXPECT_GT(energy.weights.minCoeff(), 0.0);
+    EXPECT_LE((found - expected).norm(), 1e-12 * expected.norm());
+}
+
 TEST(GradedSpace, HasFewParametersThatAddUpToOneEverywhere) {
-    const Hole hole(shapes::blob(6));
+    const OpenHole hole(shapes::blob(6));
     const GradedSpace space = hole.space();
     const int parameters = space.first(space.group_count());
     EXPECT_LT(parameters, hole.unknowns.count() / 3);
@@ -85,14 +60,14 @@ TEST(GradedSpace, HasFewParametersThatAddUpToOneEverywhere) {
 }
 
 TEST(GradedSpace, LeavesSmallHolesFree) {
-    const Hole hole(shapes::blob(4));
+    const OpenHole hole(shapes::blob(4));
     const GradedSpace space = hole.space(hole.unknowns.count());
     EXPECT_EQ(space.group_count(), hole.unknowns.count());
     EXPECT_EQ(space.first(space.group_count()), hole.unknowns.count());
 }
 
 TEST(GradedSpace, GathersWhatItSpreads) {
-    const Hole hole(shapes::blob(5));
+    const OpenHole hole(shapes::blob(5));
     const GradedSpace space = hole.space();
     const CornerValues parameters = CornerValues::Random(space.first(space.group_count()), 2);
     const CornerValues values = CornerValues::Random(hole.unknowns.count(), 2);
@@ -102,7 +77,7 @@ TEST(GradedSpace, GathersWhatItSpreads) {
 }
 
 TEST(EnergyWithin, IsThatOfWhatIsSpread) {
-    const Hole hole(shapes::blob(5));
+    const OpenHole hole(shapes::blob(5));
     const GradedSpace space = hole.space();
     Monitor monitor;
     const RowMatrix lower = energy_within(space, hole.energy, monitor);
@@ -113,15 +88,13 @@ TEST(EnergyWithin, IsThatOfWhatIsSpread) {
 }
 
 TEST(LargeSolver, ComesNearTheExactSolutionStepByStep) {
-    const Hole hole(shapes::blob(6));
-    const GradedSpace space = hole.space();
-    Monitor monitor;
-    const LargeSolver solver(hole.energy, space, monitor);
-    ASSERT_TRUE(solver.usable());
-    const CornerValues exact = hole.exact(), nothing = CornerValues::Zero(exact.rows(), exact.cols());
+    Solver solver(shapes::blob(6));
+    ASSERT_TRUE(solver.nearly.usable());
+    const CornerValues exact = solver.hole.exact(), nothing = CornerValues::Zero(exact.rows(), exact.cols());
     double before = farthest(nothing, exact);
+    const CornerValues right = solver.hole.right(), start = solver.nearly.within_space(right, solver.monitor);
     for (const int steps : {0, 2, 6}) {
-        const double now = farthest(solver.improve(hole.right(), nothing, steps, monitor), exact);
+        const double now = farthest(solver.nearly.improve(right, start, steps, solver.monitor), exact);
         EXPECT_LT(now, 0.3 * before) << steps;
         before = now;
     }
@@ -129,32 +102,29 @@ TEST(LargeSolver, ComesNearTheExactSolutionStepByStep) {
 }
 
 TEST(LargeSolver, StaysAtTheExactSolution) {
-    const Hole hole(shapes::blob(5));
-    const GradedSpace space = hole.space();
-    Monitor monitor;
-    const LargeSolver solver(hole.energy, space, monitor);
-    const CornerValues exact = hole.exact();
-    EXPECT_LE(farthest(solver.improve(hole.right(), exact, 3, monitor), exact), 1e-7);
+    Solver solver(shapes::blob(5));
+    const CornerValues exact = solver.hole.exact();
+    EXPECT_LE(farthest(solver.nearly.improve(solver.hole.right(), exact, 3, solver.monitor), exact), 1e-7);
 }
 
 TEST(LargeSolver, SolvesEachColumnAsIfItWereAlone) {
-    const Hole hole(shapes::blob(5));
-    const GradedSpace space = hole.space();
-    Monitor monitor;
-    const LargeSolver solver(hole.energy, space, monitor);
-    const CornerValues right = hole.right();
-    const CornerValues all = solver.improve(right, CornerValues::Zero(right.rows(), right.cols()), 3, monitor);
+    Solver solver(shapes::blob(5));
+    const CornerValues right = solver.hole.right();
+    const auto improved = [&](const CornerValues& some) {
+        return solver.nearly.improve(some, CornerValues::Zero(some.rows(), some.cols()), 3, solver.monitor);
+    };
+    const CornerValues all = improved(right);
     for (Eigen::Index k = 0; k < right.cols(); ++k) {
-        const CornerValues one = solver.improve(right.col(k), CornerValues::Zero(right.rows(), 1), 3, monitor);
+        const CornerValues one = improved(right.col(k));
         EXPECT_EQ(one, CornerValues(all.col(k))) << k;
     }
 }
 
 TEST(LargeSolver, StopsInEachOfItsParts) {
-    const Hole hole(shapes::blob(4));
+    const OpenHole hole(shapes::blob(4));
     const GradedSpace space = hole.space();
     Monitor monitor;
-    const LargeSolver solver(hole.energy, space, Piece(monitor, 0.5));
+    const LargeSolver solver(hole.energy, space, 5, Piece(monitor, 0.5));
     EXPECT_NEAR(monitor.fraction(), 0.5, 1e-9);
     const CornerValues right = hole.right();
     static_cast<void>(solver.improve(right, right, 2, Piece(monitor, 0.5)));
@@ -164,7 +134,7 @@ TEST(LargeSolver, StopsInEachOfItsParts) {
                              hole.unknowns.hole_sizes(hole.first), 0, monitor),
                  Cancelled);
     EXPECT_THROW(energy_within(space, hole.energy, monitor), Cancelled);
-    EXPECT_THROW(LargeSolver(hole.energy, space, monitor), Cancelled);
+    EXPECT_THROW(LargeSolver(hole.energy, space, 5, monitor), Cancelled);
     EXPECT_THROW(static_cast<void>(solver.improve(right, right, 1, monitor)), Cancelled);
 }
 

@@ -15,7 +15,8 @@ namespace {
 
 // A sheared plane of which only three rings of vertices along the border are known.
 struct Hole {
-    Hole() : shape(shapes::grid(nx, ny, 0.5, 0.4, 0.7)), known(shape.vertices.rows()) {
+    explicit Hole(const shapes::Shape& given = shapes::grid(nx, ny, 0.5, 0.4, 0.7))
+        : shape(given), known(shape.vertices.rows()) {
         for (Eigen::Index v = 0; v < known.rows(); ++v) {
             const Eigen::Index i = v % (nx + 1), j = v / (nx + 1);
             known[v] = i < 3 || j < 3 || i > nx - 3 || j > ny - 3;
@@ -50,16 +51,24 @@ struct Hole {
     Mask known;
 };
 
+// Angles of up to 155 degrees, unevenly divided.
+shapes::Shape obtuse() {
+    shapes::Shape plane = shapes::noisy(shapes::grid(Hole::nx, Hole::ny, 0.5, 0.3, 1.5), 0.04, 3);
+    plane.vertices.col(2).setZero();
+    return plane;
+}
+
 }  // namespace
 
 TEST(ThinPlate, KeepsLinearFunctionsInSmallAndLargeHoles) {
-    const Hole hole;
-    const CornerValues values = hole.linear();
-    for (const Eigen::Index large : {Hole::few, large_hole}) {
-        Monitor monitor;
-        const CornerValues solved = hole.solve(values, large, monitor);
-        EXPECT_NEAR(monitor.fraction(), 1.0, 0.15) << large;
-        EXPECT_LE((solved - hole.at_unknowns(values)).cwiseAbs().maxCoeff(), 1e-7 * values.cwiseAbs().maxCoeff());
+    for (const Hole& hole : {Hole(), Hole(obtuse())}) {
+        const CornerValues values = hole.linear();
+        for (const Eigen::Index large : {Hole::few, large_hole}) {
+            Monitor monitor;
+            const CornerValues solved = hole.solve(values, large, monitor);
+            EXPECT_NEAR(monitor.fraction(), 1.0, 0.15) << large;
+            EXPECT_LE((solved - hole.at_unknowns(values)).cwiseAbs().maxCoeff(), 1e-7 * values.cwiseAbs().maxCoeff());
+        }
     }
 }
 
