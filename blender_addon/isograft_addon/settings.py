@@ -65,6 +65,9 @@ def choose(items: Iterable[Item], names: str, owner: str, kind: str, name_of: Ca
 class Names(by_name.Names):
     """Names in use on a receiver."""
 
+    longest = 63
+    """As Blender's own."""
+
     @classmethod
     def of_layers(cls, mesh: Any, overwrite: bool) -> Self:
         """Those of UV maps and attributes, which share one space of names."""

@@ -40,6 +40,30 @@ def textured_hole(holed: MatchedPair) -> MatchedPair:
     return holed
 
 
+def test_long_names_that_are_taken_are_cut_for_their_number(matched: MatchedPair) -> None:
+    """Blender's names have 63 bytes, and what is written is looked up by the name that was chosen for it."""
+    donor, receiver = matched.donor, matched.receiver
+    long = "Ü" * 31 + "x"
+    donor.data.uv_layers[0].name = long
+    add_uv(receiver, long, np.zeros((len(receiver.data.loops), 2)))
+    for obj, value in ((donor, 1.0), (receiver, 0.25)):
+        count = len(obj.data.vertices)
+        obj.vertex_groups.new(name=long).add(list(range(count)), value, "ADD")
+        obj.shape_key_add(name="Basis")
+        key = obj.shape_key_add(name=long)
+        key.data[0].co.x += value
+        add_color(obj, "C" * 63, "FLOAT_COLOR", "POINT", np.full((count, 4), value))
+    select(donor, receiver)
+    assert bpy.ops.object.isograft_transfer(what={"UV", "COLOR", "GROUPS", "KEYS"}) == {"FINISHED"}
+    got_name = "Ü" * 29 + ".001"
+    assert [layer.name for layer in receiver.data.uv_layers] == [long, got_name]
+    assert [group.name for group in receiver.vertex_groups] == [long, got_name]
+    assert [key.name for key in receiver.data.shape_keys.key_blocks] == ["Basis", long, got_name]
+    assert {"C" * 63, "C" * 59 + ".001"} <= {layer.name for layer in receiver.data.color_attributes}
+    assert not uvs(receiver, long).any()
+    assert values(receiver, "C" * 63, "color", 4).max() == pytest.approx(0.25)
+
+
 def known(pair: Any, domain: str) -> np.ndarray:
     """Elements that are wholly matched."""
     mesh, ok = pair.receiver.data, is_matched(pair)

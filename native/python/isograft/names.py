@@ -31,6 +31,9 @@ def _fits(name: str, pattern: str) -> bool:
 class Names:
     """Names in use on a receiver."""
 
+    longest: int | None = None
+    """Bytes that a name with a number may have."""
+
     def __init__(self, taken: Iterable[str], overwrite: bool) -> None:
         self._taken = set(taken)
         self._overwrite = overwrite
@@ -40,6 +43,13 @@ class Names:
         free, number = name, 0
         while free in self._taken and not self._overwrite:
             number += 1
-            free = f"{name}.{number:03d}"
+            end = f".{number:03d}"
+            free = name if self.longest is None else _cut(name, self.longest - len(end))
+            free += end
         self._taken.add(free)
         return free
+
+
+def _cut(name: str, longest: int) -> str:
+    """At most so many bytes of UTF-8, whole letters."""
+    return name.encode()[:longest].decode(errors="ignore")
