@@ -13,9 +13,10 @@ namespace isograft {
 ///
 /// Connected parts without any known vertex, and vertices of no triangle, keep the values they came with.
 /// One sparse Cholesky factorisation of the unknown vertices for all columns: near O(n log n) for bands and small
-/// holes. Meshes with a hole of more than 50,000 vertices are solved nearly instead, by a reduced space and a fixed
-/// number of conjugate gradients: near O(n log n), within 4e-3 of the largest value where that was measured.
-/// Linear functions of a plane are kept by both in holes that do not reach the border of the surface.
+/// holes. With a hole of more than 50,000 vertices only where its time is nearly linear (sheets up to some 110,000,
+/// bodies up to some 300,000); else nearly, by a reduced space and a fixed number of conjugate gradients: near O(n log
+/// n), within 4e-3 of the largest value on sheets, but 0.25 on bodies of which little is known. Linear functions of a
+/// plane are kept by both in holes that do not reach the border of the surface.
 /// \param values #V by k, finite where `known`. \param known #V. \param monitor may be null.
 /// \return values, and in the mask which vertices were filled.
 /// \throw InvalidInput on sizes, indices or values that do not fit; Cancelled.
@@ -47,7 +48,7 @@ struct CompletionOptions {
 /// Place the unknown vertices of a mesh so that it is bent and not stretched: as-rigid-as-possible (Sorkine and Alexa
 /// 2007), started from fill_smooth() of the displacements.
 ///
-/// With a hole of more than 50,000 vertices nearly, as fill_smooth(): near O(n log n).
+/// Large holes nearly, as fill_smooth(): near O(n log n).
 /// \param rest #V by 3, the shape to keep. \param placed #V by 3, where `known` vertices are.
 /// \param scale size of the result against `rest`. \return #V by 3 and which were filled; parts without any known
 /// vertex keep `placed`. \throw as fill_smooth().

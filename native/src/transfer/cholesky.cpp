@@ -3,13 +3,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "isograft/errors.h"
 #include "transfer/pace.h"
 
 namespace isograft {
 
-Cholesky::Cholesky(const RowMatrix& matrix, Piece piece) {
+Cholesky::Cholesky(const RowMatrix& matrix, Piece piece)
+    : Cholesky(matrix, std::numeric_limits<double>::infinity(), piece) {}
+
+Cholesky::Cholesky(const RowMatrix& matrix, double most, Piece& piece) {
     piece.check();
     const Eigen::SparseMatrix<double> full(matrix);
     Eigen::AMDOrdering<int>()(full, order_);
@@ -19,7 +23,8 @@ Cholesky::Cholesky(const RowMatrix& matrix, Piece piece) {
     // Rows of the lower triangle.
     const RowMatrix lower(sorted);
     analyse(lower, piece.monitor());
-    factorise(lower, piece);
+    usable_ = work() <= most * static_cast<double>(matrix.rows());
+    if (usable_) factorise(lower, piece);
 }
 
 void Cholesky::analyse(const RowMatrix& lower, Monitor& monitor) {
@@ -41,18 +46,25 @@ void Cholesky::analyse(const RowMatrix& lower, Monitor& monitor) {
     }
     first_.assign(count + 1, 0);
     for (int k = 0; k < count; ++k) first_[k + 1] = first_[k] + entries[k];
-    row_.resize(first_[count]);
-    value_.resize(first_[count]);
 }
 
-void Cholesky::factorise(const RowMatrix& lower, Piece piece) {
+// Multiplications, nearly.
+double Cholesky::work() const {
+    double sum = 0.0;
+    for (std::size_t k = 0; k + 1 < first_.size(); ++k) {
+        const auto length = static_cast<double>(first_[k + 1] - first_[k]);
+        sum += length * length;
+    }
+    return sum;
+}
+
+void Cholesky::factorise(const RowMatrix& lower, Piece& piece) {
     const auto count = static_cast<int>(lower.rows());
     diagonal_.assign(count, 0.0);
-    double work = 0.0, done = 0.0;
-    for (int k = 0; k < count; ++k) {
-        const auto length = static_cast<double>(first_[k + 1] - first_[k]);
-        work += length * length;
-    }
+    row_.resize(first_[count]);
+    value_.resize(first_[count]);
+    const double work = this->work();
+    double done = 0.0;
     std::vector<std::size_t> end(first_.begin(), first_.end() - 1);
     std::vector<double> line(count, 0.0);
     std::vector<int> seen_in(count, -1), pattern(count), path(count);

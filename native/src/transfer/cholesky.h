@@ -21,7 +21,10 @@ class Cholesky {
     /// \throw Cancelled
     Cholesky(const RowMatrix& matrix, Piece piece);
 
-    /// Whether no pivot was 0; otherwise there is no solution.
+    /// Only if it takes at most `most` multiplications a row; else, after 0.05 of the piece, it is not usable.
+    Cholesky(const RowMatrix& matrix, double most, Piece& piece);
+
+    /// Whether it was factorised and no pivot was 0; otherwise there is no solution.
     [[nodiscard]] bool usable() const { return usable_; }
 
     /// \param right #rows by k. \return #rows by k. \throw Cancelled
@@ -29,7 +32,8 @@ class Cholesky {
 
   private:
     void analyse(const RowMatrix& lower, Monitor& monitor);
-    void factorise(const RowMatrix& lower, Piece piece);
+    [[nodiscard]] double work() const;
+    void factorise(const RowMatrix& lower, Piece& piece);
 
     Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order_;
     // The elimination tree, and where the entries of L's columns start.

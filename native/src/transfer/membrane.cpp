@@ -25,10 +25,14 @@ Membrane::Nearly::Nearly(const Points& vertices, const Eigen::VectorXd& areas,
       solver(energy, space, degree, piece.until(1.0)) {}
 
 Membrane::Membrane(const Points& vertices, const Triangles& faces, const Eigen::SparseMatrix<double>& laplacian,
-                   const Unknowns& unknowns, Eigen::Index large, Piece piece) {
+                   const Unknowns& unknowns, Eigen::Index large, Piece piece, double most) {
+    const RowMatrix matrix(unknowns.block(laplacian));
     if (unknowns.count() > large) {
         const std::vector<Eigen::Index> sizes = unknowns.hole_sizes(laplacian);
         if (*std::max_element(sizes.begin(), sizes.end()) > large) {
+            exactly_.emplace(matrix, most, piece);
+            if (exactly_->usable()) return;
+            exactly_.reset();
             auto nearly = std::make_unique<const Nearly>(vertices, vertex_areas(vertices, faces), laplacian, unknowns,
                                                          sizes, large, piece.until(0.9));
             if (nearly->solver.usable()) {
@@ -38,7 +42,7 @@ Membrane::Membrane(const Points& vertices, const Triangles& faces, const Eigen::
             }
         }
     }
-    exactly_.emplace(factorised(RowMatrix(unknowns.block(laplacian)), piece.until(1.0)));
+    exactly_.emplace(factorised(matrix, piece.until(1.0)));
 }
 
 CornerValues Membrane::solve(const CornerValues& right, const CornerValues& before, Monitor& monitor) const {

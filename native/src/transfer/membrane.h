@@ -16,16 +16,20 @@
 
 namespace isograft {
 
+/// Multiplications an unknown that count as linear time: up to about there 50 solutions from the factor, and it, take
+/// less than 50 near ones. A sheet of 189,000 vertices needs 11,000, one of 632,000 24,000.
+constexpr double linear_stretching = 30000.0;
+
 /// The Laplacian of the unknown vertices, to be solved again and again with right-hand sides that change little.
 ///
-/// With a hole of more than `large` vertices nearly, by a LargeSolver from where the last solution was: almost linear
-/// time. Else exactly, by one Cholesky factorisation.
+/// Exactly, by one Cholesky factorisation; with a hole of more than `large` vertices only if that takes at most `most`
+/// multiplications an unknown, else nearly, by a LargeSolver from where the last solution was: almost linear time.
 class Membrane {
   public:
     /// \param laplacian positive_laplacian() of `vertices` and `faces`, and as `unknowns` used only here.
     /// \throw InvalidInput if the mesh is too degenerate; Cancelled.
     Membrane(const Points& vertices, const Triangles& faces, const Eigen::SparseMatrix<double>& laplacian,
-             const Unknowns& unknowns, Eigen::Index large, Piece piece);
+             const Unknowns& unknowns, Eigen::Index large, Piece piece, double most = linear_stretching);
 
     /// \param right, before #unknowns by k, the latter a solution of nearly the same. \return #unknowns by k.
     /// \throw Cancelled

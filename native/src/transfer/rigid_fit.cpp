@@ -80,14 +80,15 @@ void CompletionOptions::validate() const {
 }
 
 TransferredValues fit_rigid(const Points& rest, const Triangles& faces, const Points& placed, const Unknowns& unknowns,
-                            const CompletionOptions& options, Eigen::Index large, Monitor& monitor) {
+                            const CompletionOptions& options, Eigen::Index large, Monitor& monitor, double most_bending,
+                            double most_stretching) {
     TransferredValues result{placed, unknowns.mask()};
     if (unknowns.count() == 0) return result;
 
     const RigidEnergy energy(rest, faces);
     // A start that is smooth: displacements, so that a shape moved as a whole is met at once.
-    const CornerValues moved =
-        thin_plate(rest, faces, laplacian(rest, faces), unknowns, placed - rest, large, Piece(monitor, 0.4));
+    const CornerValues moved = thin_plate(rest, faces, laplacian(rest, faces), unknowns, placed - rest, large,
+                                          Piece(monitor, 0.4), most_bending);
     monitor.report("complete", 0.4);
     CornerValues solved(unknowns.count(), 3);
     const auto put = [&] {
@@ -96,7 +97,7 @@ TransferredValues fit_rigid(const Points& rest, const Triangles& faces, const Po
     for (Eigen::Index i = 0; i < unknowns.count(); ++i) solved.row(i) = rest.row(unknowns.vertex[i]) + moved.row(i);
     put();
 
-    const Membrane membrane(rest, faces, energy.matrix(), unknowns, large, Piece(monitor, 0.1));
+    const Membrane membrane(rest, faces, energy.matrix(), unknowns, large, Piece(monitor, 0.1), most_stretching);
     const Eigen::MatrixXd pull = energy.matrix() * unknowns.zeroed(result.values);
     const double size = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm();
     CornerValues right(unknowns.count(), 3);

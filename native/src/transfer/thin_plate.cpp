@@ -25,14 +25,12 @@ CornerValues of_unknowns(const Eigen::MatrixXd& values, const Unknowns& unknowns
     return rows;
 }
 
-// \param right what the known values ask for.
-CornerValues solve_exactly(const Eigen::SparseMatrix<double>& laplacian, const Eigen::VectorXd& areas,
-                           const Unknowns& unknowns, const CornerValues& right, Piece piece) {
+RowMatrix bending(const Eigen::SparseMatrix<double>& laplacian, const Eigen::VectorXd& areas, const Unknowns& unknowns,
+                  Monitor& monitor) {
     const RowMatrix rows(laplacian);
     const RowMatrix even = areas.cwiseInverse().asDiagonal() * rows;
-    const Eigen::SparseMatrix<double> energy(multiply(rows, even, piece.monitor()));
-    const Cholesky factor = factorised(RowMatrix(unknowns.block(energy)), piece.until(1.0));
-    return factor.solve(right, piece.monitor());
+    const Eigen::SparseMatrix<double> energy(multiply(rows, even, monitor));
+    return {unknowns.block(energy)};
 }
 
 // None if a matrix is too degenerate.
@@ -59,21 +57,24 @@ std::optional<CornerValues> solve_nearly(const Points& vertices, const Eigen::Sp
 }  // namespace
 
 CornerValues thin_plate(const Points& vertices, const Triangles& faces, const Eigen::SparseMatrix<double>& laplacian,
-                        const Unknowns& unknowns, const CornerValues& values, Eigen::Index large, Piece piece) {
+                        const Unknowns& unknowns, const CornerValues& values, Eigen::Index large, Piece piece,
+                        double most) {
     const Eigen::VectorXd areas = vertex_areas(vertices, faces);
     piece.check();
     const Eigen::MatrixXd bent = areas.cwiseInverse().asDiagonal() * (laplacian * unknowns.zeroed(values));
     const CornerValues right = -of_unknowns(laplacian * bent, unknowns);
-    piece.check();
+    const RowMatrix matrix = bending(laplacian, areas, unknowns, piece.monitor());
     if (unknowns.count() > large) {
         const std::vector<Eigen::Index> sizes = unknowns.hole_sizes(laplacian);
         if (*std::max_element(sizes.begin(), sizes.end()) > large) {
+            const Cholesky factor(matrix, most, piece);
+            if (factor.usable()) return factor.solve(right, piece.monitor());
             const auto solved =
                 solve_nearly(vertices, laplacian, areas, unknowns, sizes, right, large, piece.until(0.9));
             if (solved) return *solved;
         }
     }
-    return solve_exactly(laplacian, areas, unknowns, right, piece.until(1.0));
+    return factorised(matrix, piece.until(1.0)).solve(right, piece.monitor());
 }
 
 }  // namespace isograft

@@ -34,7 +34,7 @@ struct BentTube {
         CompletionOptions options;
         options.iterations = iterations;
         const Unknowns unknowns(rest.faces, known);
-        return fit_rigid(rest.vertices, rest.faces, placed, unknowns, options, large, monitor).values;
+        return fit_rigid(rest.vertices, rest.faces, placed, unknowns, options, large, monitor, 0.0, 0.0).values;
     }
 
     // Root mean square over the edges of their stretch.
@@ -82,7 +82,7 @@ TEST(RigidFit, BringsALargePartBackUnderARigidMotion) {
     for (const int v : unknowns.vertex) start.row(v).setZero();
     CompletionOptions options;
     options.iterations = 500;
-    const Points back = fit_rigid(rest.vertices, rest.faces, start, unknowns, options, few, monitor).values;
+    const Points back = fit_rigid(rest.vertices, rest.faces, start, unknowns, options, few, monitor, 0.0, 0.0).values;
     EXPECT_LE((back - placed.vertices).rowwise().norm().maxCoeff(), 1e-2);
 }
 
@@ -93,8 +93,9 @@ TEST(RigidFit, StopsWhenCancelledInBothWays) {
         // Cancelled before it begins, while the smooth start is sought, and in its rounds.
         for (const double end : {0.0, 0.2, 0.6}) {
             Monitor refusing([&](const std::string&, double fraction) { return fraction < end; });
-            EXPECT_THROW(fit_rigid(tube.rest.vertices, tube.rest.faces, tube.placed, unknowns, {}, large, refusing),
-                         Cancelled)
+            EXPECT_THROW(
+                fit_rigid(tube.rest.vertices, tube.rest.faces, tube.placed, unknowns, {}, large, refusing, 0.0, 0.0),
+                Cancelled)
                 << large << " " << end;
         }
     }
@@ -105,7 +106,7 @@ TEST(Membrane, ComesNearerWithEverySolution) {
     const Unknowns unknowns(tube.rest.faces, tube.known);
     const auto matrix = positive_laplacian(tube.rest.vertices, tube.rest.faces);
     Monitor monitor;
-    const Membrane nearly(tube.rest.vertices, tube.rest.faces, matrix, unknowns, few, monitor);
+    const Membrane nearly(tube.rest.vertices, tube.rest.faces, matrix, unknowns, few, monitor, 0.0);
     const Membrane exactly(tube.rest.vertices, tube.rest.faces, matrix, unknowns, large_hole, monitor);
     const CornerValues right = CornerValues::Random(unknowns.count(), 3);
     const CornerValues goal = exactly.solve(right, CornerValues::Zero(right.rows(), 3), monitor);

@@ -34,7 +34,7 @@ struct Hole {
         const Unknowns unknowns(shape.faces, known);
         for (const int v : unknowns.vertex) values.row(v).setConstant(std::numeric_limits<double>::quiet_NaN());
         const auto first = laplacian(shape.vertices, shape.faces);
-        return thin_plate(shape.vertices, shape.faces, first, unknowns, values, large, Piece(monitor, 1.0));
+        return thin_plate(shape.vertices, shape.faces, first, unknowns, values, large, Piece(monitor, 1.0), 0.0);
     }
 
     [[nodiscard]] CornerValues at_unknowns(const CornerValues& values) const {
@@ -87,6 +87,21 @@ TEST(ThinPlate, IsNearlyTheSameByBothWays) {
     const CornerValues nearly = hole.solve(values, Hole::few, monitor);
     EXPECT_NE(exactly, nearly);
     EXPECT_LE((exactly - nearly).cwiseAbs().maxCoeff(), 1e-3);
+}
+
+TEST(ThinPlate, SolvesLargeHolesExactlyIfThatTakesLittle) {
+    const Hole hole;
+    CornerValues values = hole.linear();
+    values.col(1) = values.col(1).array().square();
+    const Unknowns unknowns(hole.shape.faces, hole.known);
+    const auto first = laplacian(hole.shape.vertices, hole.shape.faces);
+    const auto solved = [&](Eigen::Index large, double most) {
+        Monitor monitor;
+        return thin_plate(hole.shape.vertices, hole.shape.faces, first, unknowns, values, large, monitor, most);
+    };
+    const CornerValues exactly = solved(large_hole, 0.0);
+    EXPECT_EQ(solved(Hole::few, linear_bending), exactly);
+    EXPECT_NE(solved(Hole::few, 100.0), exactly);
 }
 
 TEST(ThinPlate, StopsWhenCancelled) {
