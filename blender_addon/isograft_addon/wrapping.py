@@ -56,6 +56,7 @@ class Wrap:
         mesh = bridge.copy_mesh(donor, depsgraph, self.pair.donor.is_own)
         mesh.name = name
         obj = bpy.data.objects.new(name, mesh)
+        bridge.copy_object_materials(obj, donor)
         for collection in receiver.users_collection:
             collection.objects.link(obj)
         obj.matrix_world = receiver.matrix_world

@@ -58,6 +58,24 @@ def test_the_new_object_has_what_the_donors_mesh_has(matched: MatchedPair) -> No
     assert [m.name for m in made.data.materials] == ["Skin"]
 
 
+@pytest.mark.parametrize("back", [False, True])
+def test_materials_that_belong_to_the_object_and_shape_keys_do_no_harm(matched: MatchedPair, back: bool) -> None:
+    given, got = (matched.receiver, matched.donor) if back else (matched.donor, matched.receiver)
+    given.data.materials.append(bpy.data.materials.new("Of the mesh"))
+    given.material_slots[0].link = "OBJECT"
+    given.material_slots[0].material = bpy.data.materials.new("Of the object")
+    given.shape_key_add(name="Basis")
+    given.shape_key_add(name="Swell").data[0].co.x += 3.0
+    select(given, got)
+    assert bpy.ops.object.isograft_wrap() == {"FINISHED"}
+    made = bpy.data.objects[f"{given.name} on {got.name}"]
+    assert [slot.material.name for slot in made.material_slots] == ["Of the object"]
+    assert made.data.shape_keys is None
+    truth = matched.truth if back else shapes.pose(shapes.surface_points(shapes.triangle_sphere()[0]))
+    ok = ~values(made, "isograft_filled", "value").astype(bool)
+    assert np.median(np.linalg.norm(points(made) - truth, axis=1)[ok]) < 0.05
+
+
 def test_the_completed_part_goes_on_from_the_matched_one(matched: MatchedPair) -> None:
     made = wrap(matched)
     edges = np.array([tuple(edge.vertices) for edge in made.data.edges])

@@ -85,6 +85,14 @@ def activate_color(obj: bpy.types.Object, name: str) -> None:
     colors.active_color_index = colors.render_color_index = colors.find(name)
 
 
+def copy_object_materials(obj: bpy.types.Object, source: bpy.types.Object) -> None:
+    """Materials of `source` that belong to the object and not to its mesh, in the same slots of `obj`."""
+    for ours, theirs in zip(obj.material_slots, source.material_slots, strict=False):
+        if theirs.link == "OBJECT":
+            ours.link = "OBJECT"
+            ours.material = theirs.material
+
+
 def write_polygon_materials(obj: bpy.types.Object, slots: list[Any], index: Array) -> None:
     """Append to the mesh's material slots those of `slots` beyond its own, and give every polygon its slot."""
     mesh = obj.data
