@@ -16,6 +16,8 @@ namespace {
 
 constexpr int degree = 5;
 constexpr int conjugate_gradients = 6;
+// The exact way is not tried for more unknowns: ordering them could not be stopped for half a second and longer.
+constexpr Eigen::Index most_to_order = 500000;
 // So that many columns take no more memory than a few.
 constexpr Eigen::Index columns_at_once = 8;
 
@@ -63,18 +65,20 @@ CornerValues thin_plate(const Points& vertices, const Triangles& faces, const Ei
     piece.check();
     const Eigen::MatrixXd bent = areas.cwiseInverse().asDiagonal() * (laplacian * unknowns.zeroed(values));
     const CornerValues right = -of_unknowns(laplacian * bent, unknowns);
-    const RowMatrix matrix = bending(laplacian, areas, unknowns, piece.monitor());
+    const auto matrix = [&] { return bending(laplacian, areas, unknowns, piece.monitor()); };
     if (unknowns.count() > large) {
         const std::vector<Eigen::Index> sizes = unknowns.hole_sizes(laplacian);
         if (*std::max_element(sizes.begin(), sizes.end()) > large) {
-            const Cholesky factor(matrix, most, piece);
-            if (factor.usable()) return factor.solve(right, piece.monitor());
+            if (unknowns.count() <= most_to_order) {
+                const Cholesky factor(matrix(), most, piece);
+                if (factor.usable()) return factor.solve(right, piece.monitor());
+            }
             const auto solved =
                 solve_nearly(vertices, laplacian, areas, unknowns, sizes, right, large, piece.until(0.9));
             if (solved) return *solved;
         }
     }
-    return factorised(matrix, piece.until(1.0)).solve(right, piece.monitor());
+    return factorised(matrix(), piece.until(1.0)).solve(right, piece.monitor());
 }
 
 }  // namespace isograft
