@@ -52,6 +52,22 @@ def test_vertices_outside_a_group_stay_outside_of_it(weighted: MatchedPair) -> N
     assert 0.05 < inside.mean() < 0.7
 
 
+def test_groups_that_weigh_nothing_on_the_receiver_arrive_empty(weighted: MatchedPair) -> None:
+    """Those that are empty, and those of parts that the scan lacks; own weights go where something else is matched."""
+    donor, receiver = weighted.donor, weighted.receiver
+    donor.vertex_groups.new(name="Empty")
+    deep = int(np.argmin(shapes.triangle_sphere()[0][:, 2]))
+    donor.vertex_groups.new(name="Deep").add([deep], 1.0, "ADD")
+    own = receiver.vertex_groups.new(name="Empty")
+    own.add(list(range(len(receiver.data.vertices))), 0.5, "ADD")
+    graft(weighted, overwrite=True)
+    assert {"Empty", "Deep", *BONES} == {group.name for group in receiver.vertex_groups}
+    ok = is_matched(weighted)
+    assert not group_weights(receiver, ("Deep",)).any()
+    assert not group_weights(receiver, ("Empty",))[ok].any()
+    assert np.allclose(group_weights(receiver, ("Empty",))[~ok], 0.5)
+
+
 def test_only_the_chosen_groups_arrive(weighted: MatchedPair) -> None:
     graft(weighted, group_names="Arm, L*")
     assert [group.name for group in weighted.receiver.vertex_groups] == ["Arm", "Leg"]

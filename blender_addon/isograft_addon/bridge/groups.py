@@ -2,6 +2,7 @@
 """Vertex groups, and the armatures that use them."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import bpy
@@ -68,8 +69,8 @@ def write_weights(obj: bpy.types.Object, name: str, weights: Array, rows: Array)
     # One call per run of equal weights: whole limbs belong to one bone alone.
     order = np.argsort(values, kind="stable")
     inside, values = inside[order], values[order]
-    starts = np.flatnonzero(np.r_[True, values[1:] != values[:-1]]) if len(values) else np.zeros(0, int)
-    for start, end in zip(starts, np.r_[starts[1:], len(values)], strict=True):
+    borders = np.flatnonzero(values[1:] != values[:-1]) + 1
+    for start, end in pairwise([0, *borders.tolist(), len(values)] if len(values) else []):
         group.add(inside[start:end].tolist(), float(values[start]), "REPLACE")
 
 
