@@ -15,7 +15,6 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 from demo import pictures, scene
 
 
-@pytest.mark.skipif(bpy.app.version >= (4, 0), reason="the demo renders in Debian's Blender")
 @pytest.mark.parametrize("unit", [0.001, 1.0, 500.0])
 def test_camera_and_captions_fit_the_unit(unit: float) -> None:
     scene.clear()
