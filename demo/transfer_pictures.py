@@ -50,6 +50,17 @@ def bare(item: bpy.types.Object) -> bpy.types.Object:
     return twin
 
 
+def bone_of_faces(item: bpy.types.Object) -> Array:
+    """(f,): the number of the bone that weighs most at each face's first corner."""
+    weights = creature.read_weights(item, list(item.vertex_groups.keys()))
+    return weights.argmax(axis=1)[[polygon.vertices[0] for polygon in item.data.polygons]].astype(np.int32)
+
+
+def colours_of(numbers: Array) -> Array:
+    """(n, 3) linear colours, those of neighbouring numbers far from each other."""
+    return 0.5 + 0.4 * np.cos(2 * np.pi * (0.618 * numbers[:, None] + (0.0, 0.33, 0.67)))
+
+
 def seam_lines(item: bpy.types.Object, width: float) -> bpy.types.Object:
     """The seams of an object as lines that go where it goes."""
     curve = bpy.data.curves.new("Seams", "CURVE")
@@ -195,16 +206,12 @@ class Album:
 
     def materials(self) -> None:
         """Per-face materials: one for every bone's part of the surface."""
-        names = list(self.donor.vertex_groups.keys())
-        part = creature.read_weights(self.donor, names).argmax(axis=1)
         twin = self.donor
         kept = list(twin.data.materials)
         twin.data.materials.clear()
-        for number in range(len(names)):
-            hue = np.array([0.5 + 0.4 * np.cos(2 * np.pi * (0.618 * number + shift)) for shift in (0.0, 0.33, 0.67)])
-            twin.data.materials.append(scene.plain_material(f"Part {number}", tuple(hue)))
-        first = np.array([polygon.vertices[0] for polygon in twin.data.polygons])
-        twin.data.polygons.foreach_set("material_index", part[first].astype(np.int32))
+        for number, colour in enumerate(colours_of(np.arange(len(twin.vertex_groups)))):
+            twin.data.materials.append(scene.plain_material(f"Part {number}", tuple(colour)))
+        twin.data.polygons.foreach_set("material_index", bone_of_faces(twin))
         twin.data.update()
         items = [copy_of(twin), bare(self.receiver)]
         self.graft(what={"MATERIALS"})
@@ -214,23 +221,20 @@ class Album:
         twin.data.materials.clear()
         for material in kept:
             twin.data.materials.append(material)
-        twin.data.polygons.foreach_set("material_index", np.zeros(len(first), dtype=np.int32))
+        twin.data.polygons.foreach_set("material_index", np.zeros(len(twin.data.polygons), dtype=np.int32))
 
     def face_sets(self) -> None:
         """Face sets, one for every bone's part of the surface, in colours of their own; the receiver has none."""
-        names = list(self.donor.vertex_groups.keys())
-        part = creature.read_weights(self.donor, names).argmax(axis=1)
         mesh = self.donor.data
         sets = mesh.attributes.new(FACE_SETS, "INT", "FACE")
-        sets.data.foreach_set("value", np.array([part[polygon.vertices[0]] + 1 for polygon in mesh.polygons], np.int32))
+        sets.data.foreach_set("value", bone_of_faces(self.donor) + 1)
         items = [copy_of(self.donor), bare(self.receiver)]
         self.graft(what={"FACE_SETS"}, fill=True)
         items.append(copy_of(self.receiver))
         for item in (items[0], items[2]):
             found = np.empty(len(item.data.polygons), np.int32)
             item.data.attributes[FACE_SETS].data.foreach_get("value", found)
-            hue = (0.618 * found[:, None] + (0.0, 0.33, 0.67)) % 1.0
-            colours = np.column_stack([0.5 + 0.4 * np.cos(2 * np.pi * hue), np.ones(len(found))])
+            colours = np.column_stack([colours_of(found), np.ones(len(found))])
             layer = item.data.color_attributes.new("Sets", "FLOAT_COLOR", "CORNER")
             corners = np.repeat(colours, [polygon.loop_total for polygon in item.data.polygons], axis=0)
             layer.data.foreach_set("color", corners.astype(np.float32).ravel())
