@@ -155,6 +155,14 @@ std::vector<Eigen::Index> Unknowns::hole_sizes(const Eigen::SparseMatrix<double>
     return sizes;
 }
 
+std::vector<Eigen::Index> Unknowns::large_hole_sizes(const Eigen::SparseMatrix<double>& laplacian,
+                                                     Eigen::Index large) const {
+    if (count() <= large) return {};
+    std::vector<Eigen::Index> sizes = hole_sizes(laplacian);
+    if (*std::max_element(sizes.begin(), sizes.end()) <= large) sizes.clear();
+    return sizes;
+}
+
 Mask Unknowns::mask() const {
     Mask result = Mask::Constant(static_cast<Eigen::Index>(slot.size()), false);
     for (const int v : vertex) result[v] = true;

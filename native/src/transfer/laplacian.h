@@ -41,6 +41,9 @@ struct Unknowns {
     [[nodiscard]] Mask mask() const;
     /// Of each unknown, how many there are in its hole: unknowns that hang together by the edges of laplacian(). O(#V).
     [[nodiscard]] std::vector<Eigen::Index> hole_sizes(const Eigen::SparseMatrix<double>& laplacian) const;
+    /// The same if a hole has more than `large` vertices; else nothing.
+    [[nodiscard]] std::vector<Eigen::Index> large_hole_sizes(const Eigen::SparseMatrix<double>& laplacian,
+                                                             Eigen::Index large) const;
 };
 
 }  // namespace isograft

@@ -114,29 +114,23 @@ CornerValues LargeSolver::apply(const CornerValues& x, Monitor& monitor) const {
     monitor.check();
     CornerValues result = CornerValues::Zero(x.rows(), x.cols());
     const Eigen::Index width = x.cols();
-    std::vector<double> sum(width);
-    for (Eigen::Index row = 0; row < energy_.product.rows(); ++row) {
-        double* to = result.data() + row * width;
-        for (RowMatrix::InnerIterator it(energy_.product, row); it; ++it) {
-            const double value = it.value();
-            const double* from = x.data() + it.col() * width;
-            for (Eigen::Index k = 0; k < width; ++k) to[k] += value * from[k];
+    const auto add = [width](double* to, double factor, const double* from) {
+        for (Eigen::Index k = 0; k < width; ++k) to[k] += factor * from[k];
+    };
+    const auto of = [&](Eigen::Index row) { return x.data() + row * width; };
+    const auto into = [&](Eigen::Index row) { return result.data() + row * width; };
+    if (energy_.product.rows() > 0) {
+        for (Eigen::Index row = 0; row < energy_.product.rows(); ++row) {
+            for (RowMatrix::InnerIterator it(energy_.product, row); it; ++it) add(into(row), it.value(), of(it.col()));
         }
+        return result;
     }
-    if (energy_.product.rows() > 0) return result;
+    std::vector<double> sum(width);
     for (Eigen::Index row = 0; row < energy_.rows.rows(); ++row) {
         std::fill(sum.begin(), sum.end(), 0.0);
-        for (RowMatrix::InnerIterator it(energy_.rows, row); it; ++it) {
-            const double value = it.value();
-            const double* from = x.data() + it.col() * width;
-            for (Eigen::Index k = 0; k < width; ++k) sum[k] += value * from[k];
-        }
+        for (RowMatrix::InnerIterator it(energy_.rows, row); it; ++it) add(sum.data(), it.value(), of(it.col()));
         for (double& one : sum) one *= energy_.weights[row];
-        for (RowMatrix::InnerIterator it(energy_.rows, row); it; ++it) {
-            const double value = it.value();
-            double* to = result.data() + it.col() * width;
-            for (Eigen::Index k = 0; k < width; ++k) to[k] += value * sum[k];
-        }
+        for (RowMatrix::InnerIterator it(energy_.rows, row); it; ++it) add(into(it.col()), it.value(), sum.data());
     }
     return result;
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "transfer/membrane.h"
 
-#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -27,19 +26,17 @@ Membrane::Nearly::Nearly(const Points& vertices, const Eigen::VectorXd& areas,
 Membrane::Membrane(const Points& vertices, const Triangles& faces, const Eigen::SparseMatrix<double>& laplacian,
                    const Unknowns& unknowns, Eigen::Index large, Piece piece, double most) {
     const RowMatrix matrix(unknowns.block(laplacian));
-    if (unknowns.count() > large) {
-        const std::vector<Eigen::Index> sizes = unknowns.hole_sizes(laplacian);
-        if (*std::max_element(sizes.begin(), sizes.end()) > large) {
-            exactly_.emplace(matrix, most, piece);
-            if (exactly_->usable()) return;
-            exactly_.reset();
-            auto nearly = std::make_unique<const Nearly>(vertices, vertex_areas(vertices, faces), laplacian, unknowns,
-                                                         sizes, large, piece.until(0.9));
-            if (nearly->solver.usable()) {
-                nearly_ = std::move(nearly);
-                piece.reach(1.0);
-                return;
-            }
+    const std::vector<Eigen::Index> sizes = unknowns.large_hole_sizes(laplacian, large);
+    if (!sizes.empty()) {
+        exactly_.emplace(matrix, most, piece);
+        if (exactly_->usable()) return;
+        exactly_.reset();
+        auto nearly = std::make_unique<const Nearly>(vertices, vertex_areas(vertices, faces), laplacian, unknowns,
+                                                     sizes, large, piece.until(0.9));
+        if (nearly->solver.usable()) {
+            nearly_ = std::move(nearly);
+            piece.reach(1.0);
+            return;
         }
     }
     exactly_.emplace(factorised(matrix, piece.until(1.0)));

@@ -16,8 +16,8 @@
 
 namespace isograft {
 
-/// Multiplications an unknown that count as linear time: up to about there 50 solutions from the factor, and it, take
-/// less than 50 near ones. A sheet of 189,000 vertices needs 11,000, one of 632,000 24,000.
+/// Multiplications an unknown that count as linear time: up to about there, factorising and 50 solutions take less than
+/// 50 near ones. A sheet of 189,000 vertices needs 11,000, one of 632,000 24,000.
 constexpr double linear_stretching = 30000.0;
 
 /// The Laplacian of the unknown vertices, to be solved again and again with right-hand sides that change little.
@@ -26,7 +26,7 @@ constexpr double linear_stretching = 30000.0;
 /// multiplications an unknown, else nearly, by a LargeSolver from where the last solution was: almost linear time.
 class Membrane {
   public:
-    /// \param laplacian positive_laplacian() of `vertices` and `faces`, and as `unknowns` used only here.
+    /// \param laplacian positive_laplacian() of `vertices` and `faces`. Nothing that is given need outlive this call.
     /// \throw InvalidInput if the mesh is too degenerate; Cancelled.
     Membrane(const Points& vertices, const Triangles& faces, const Eigen::SparseMatrix<double>& laplacian,
              const Unknowns& unknowns, Eigen::Index large, Piece piece, double most = linear_stretching);

@@ -66,17 +66,14 @@ CornerValues thin_plate(const Points& vertices, const Triangles& faces, const Ei
     const Eigen::MatrixXd bent = areas.cwiseInverse().asDiagonal() * (laplacian * unknowns.zeroed(values));
     const CornerValues right = -of_unknowns(laplacian * bent, unknowns);
     const auto matrix = [&] { return bending(laplacian, areas, unknowns, piece.monitor()); };
-    if (unknowns.count() > large) {
-        const std::vector<Eigen::Index> sizes = unknowns.hole_sizes(laplacian);
-        if (*std::max_element(sizes.begin(), sizes.end()) > large) {
-            if (unknowns.count() <= most_to_order) {
-                const Cholesky factor(matrix(), most, piece);
-                if (factor.usable()) return factor.solve(right, piece.monitor());
-            }
-            const auto solved =
-                solve_nearly(vertices, laplacian, areas, unknowns, sizes, right, large, piece.until(0.9));
-            if (solved) return *solved;
+    const std::vector<Eigen::Index> sizes = unknowns.large_hole_sizes(laplacian, large);
+    if (!sizes.empty()) {
+        if (unknowns.count() <= most_to_order) {
+            const Cholesky factor(matrix(), most, piece);
+            if (factor.usable()) return factor.solve(right, piece.monitor());
         }
+        const auto solved = solve_nearly(vertices, laplacian, areas, unknowns, sizes, right, large, piece.until(0.9));
+        if (solved) return *solved;
     }
     return factorised(matrix(), piece.until(1.0)).solve(right, piece.monitor());
 }
