@@ -272,9 +272,20 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
     // Descriptors made anew, and the blend of as many cores as there may be.
     const double describing = 0.3 * costs.setting();
     const double blending = costs.cores(options.blend.cores) + costs.answers(1);
-    // Nobody knows yet whether there will be another search: a share for it that is not far off either way.
     const double another = describing + costs.growth() + blending;
-    const double perhaps = options.blend.attempts > 1 ? 0.4 * another : 0.0;
+    // Nobody knows yet whether there will be another search: a share for those after so many that is not far off either
+    // way. A pair that needed two mostly needs three.
+    const auto more = [&](int searches) {
+        constexpr double second = 0.4, further = 0.8;
+        double sum = 0.0;
+        double likely = 1.0;
+        for (int k = searches; k < options.blend.attempts; ++k) {
+            likely *= k == 1 ? second : further;
+            sum += likely * another;
+        }
+        return sum;
+    };
+    const double perhaps = more(1);
     double expected = costs.preparation({points, target.vertices().rows()}) + costs.search(points);
     const double search = costs.search(points) + perhaps;
     std::vector<Surface> surfaces = working_surfaces(source, target, options, watcher);
@@ -324,7 +335,7 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
     for (int attempt = 1; attempt < options.blend.attempts && answers.front().fit < options.blend.content; ++attempt) {
         expected += another;
         at = watcher.fraction();
-        const double end = end_of_part(at, 1.0, another, finish);
+        const double end = end_of_part(at, 1.0, another, more(attempt + 1) + finish);
         const double sampled = end_of_part(at, end, describing, costs.growth() + blending);
         until = end_of_part(sampled, end, costs.growth(), blending);
         Pair other = pair;

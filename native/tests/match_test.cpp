@@ -164,7 +164,7 @@ TEST(Match, LosesNothingByAnotherSearch) {
     options.blend.content = 1.0;
     options.scale.mode = ScaleMode::fixed;
     const Match once = match(source, gate(target), options);
-    options.blend.attempts = 2;
+    options.blend.attempts = 3;
     const Match again = match(source, gate(target), options);
     EXPECT_GT(again.report.maps_grown, once.report.maps_grown);
     const double radius = 1.5 * spacing(source.mesh(), options);

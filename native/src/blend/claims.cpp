@@ -127,7 +127,7 @@ void Completion::yield_to(const std::vector<double>& claim) {
         map_.put(pair_.target.mesh, static_cast<int>(s), claimed.image[s], claimed.rotation[s]);
     }
     // What now hangs in the air, or would vote for the old places again, goes.
-    drop_torn_parts(map_, pair_);
+    drop_torn_parts(map_, pair_, anchors_);
     for (std::size_t i = 0; i < claim.size(); ++i) {
         weights_[i] = std::max(weights_[i], claim[i]);
         if (contradicts(patches_[i]->map, claimed, settings_.blend.agreement_radius)) weights_[i] = 0.0;

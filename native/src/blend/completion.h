@@ -69,7 +69,8 @@ class Completion {
 
     /// Of the map as it is now, see measure_quality().
     [[nodiscard]] MapQuality quality();
-    /// choice_score() of that, times the share of the landmarks that it keeps, see heed().
+    /// choice_score() of that; less for what is torn, see torn_share(), and for landmarks that it does not keep, see
+    /// heed().
     [[nodiscard]] double worth();
     /// Threads that it may use by itself from now on, 1 at first: those that no other completion needs. From any
     /// thread.

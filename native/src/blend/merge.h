@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "blend/anchors.h"
 #include "growth/patches.h"
 
 namespace isograft {
@@ -15,9 +16,13 @@ void merge_into(PartialMap& map, const Pair& pair, const PatchSettings& settings
 /// Number the parts of a map that are continuous on both surfaces, the largest area 0; -1 where unmapped.
 std::vector<int> continuous_parts(const PartialMap& map, const Pair& pair);
 
-/// Drop every part that touches a larger one on S and lies elsewhere on T, or that the largest reaches on S over a gap
-/// shorter than the straight line on T: it was taken for another limb. Parts that touch nothing stay. \return number of
-/// samples dropped.
-int drop_torn_parts(PartialMap& map, const Pair& pair);
+/// Drop every part that was taken for another limb: it touches a larger one on S with much of its rim and lies
+/// elsewhere on T, or the largest one reaches it on S over a gap clearly shorter than the straight line on T, or it
+/// does not fit the anchors. Parts that touch nothing and fit stay. \return number of samples dropped.
+int drop_torn_parts(PartialMap& map, const Pair& pair, const Anchors& anchors);
+
+/// Share of the level-0 edges between mapped samples whose images lie more than two spacings too far apart. A right map
+/// tears S only where S touches itself.
+double torn_share(const PartialMap& map, const Samples& source);
 
 }  // namespace isograft

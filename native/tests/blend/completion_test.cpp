@@ -71,6 +71,15 @@ TEST(Completion, StartsWithWhatTheCoresPatchesHold) {
     }
 }
 
+TEST(Completion, IsWorthLessWhereItIsTorn) {
+    Bench bench;
+    std::vector<char> wrong;
+    bench.completion.map() = twins().true_map(twins().all_samples());
+    EXPECT_DOUBLE_EQ(bench.completion.worth(), choice_score(bench.completion.quality()));
+    bench.completion.map() = spoiled(wrong);
+    EXPECT_LT(bench.completion.worth(), 0.1 * choice_score(bench.completion.quality()));
+}
+
 TEST(Completion, SecondPassesReachTheRestAndEndWhereNothingIsLeft) {
     Bench bench;
     bench.start();

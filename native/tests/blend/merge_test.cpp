@@ -2,6 +2,7 @@
 #include "blend/merge.h"
 
 #include <algorithm>
+#include <functional>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -67,6 +68,20 @@ TEST(ContinuousParts, AreNumberedByAreaAndLeaveOutTheUnmapped) {
     }
 }
 
+// As a completion has them, from the largest part.
+int drop_torn(PartialMap& map) {
+    PartialMap main = map;
+    const std::vector<int> part = continuous_parts(map, twins().pair());
+    for (const int s : twins().all_samples()) {
+        if (part[s] > 0) main.drop(s);
+    }
+    DistanceFields fields(twins().pair());
+    Anchors anchors(fields);
+    Monitor monitor;
+    EXPECT_TRUE(anchors.place(main, 12, monitor));
+    return drop_torn_parts(map, twins().pair(), anchors);
+}
+
 TEST(TornParts, AreDroppedWhereTheyTouchALargerOneAndLieElsewhere) {
     const auto cap = [](const Eigen::Vector3d& x) { return x.y() > 0.2; };
     Patch whole = made_patch(everywhere, where_it_belongs);
@@ -78,10 +93,12 @@ TEST(TornParts, AreDroppedWhereTheyTouchALargerOneAndLieElsewhere) {
         ++moved;
     }
     ASSERT_GT(moved, 10);
+    EXPECT_GT(torn_share(whole.map, twins().pair().source.samples), 0.01);
     const int before = whole.map.count;
-    const int dropped = drop_torn_parts(whole.map, twins().pair());
+    const int dropped = drop_torn(whole.map);
     EXPECT_EQ(whole.map.count, before - dropped);
     EXPECT_GE(dropped, moved - 2);
+    EXPECT_EQ(torn_share(whole.map, twins().pair().source.samples), 0.0);
     for (const int s : twins().all_samples()) {
         if (whole.map.mapped[s]) {
             EXPECT_LT(twins().error(s, whole.map.position[s]), 0.3);
@@ -89,12 +106,45 @@ TEST(TornParts, AreDroppedWhereTheyTouchALargerOneAndLieElsewhere) {
     }
 }
 
-TEST(TornParts, ThatTouchNothingStay) {
-    const Patch both =
-        made_patch([](const Eigen::Vector3d& x) { return x.y() > 0.22 || x.y() < -0.02; }, where_it_belongs);
-    PartialMap map = both.map;
-    EXPECT_EQ(drop_torn_parts(map, twins().pair()), 0);
-    EXPECT_EQ(map.count, both.map.count);
+// Two caps with a gap between them, the lower one larger.
+Patch caps(double low, double high, const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& place_high) {
+    const Patch below = made_patch([&](const Eigen::Vector3d& x) { return x.y() < low; }, where_it_belongs);
+    Patch both = made_patch([&](const Eigen::Vector3d& x) { return x.y() > high; }, place_high);
+    for (const int s : twins().all_samples()) {
+        if (below.map.mapped[s]) {
+            both.map.put(twins().pair().target.mesh, s, below.map.image[s], below.map.rotation[s]);
+        }
+    }
+    return both;
+}
+
+// A direction of S as it is on T, as long as so many spacings.
+Eigen::Vector3d step(const Eigen::Vector3d& direction, double spacings) {
+    return twins().spacing() * spacings * (twins().truth(direction) - twins().truth(Eigen::Vector3d::Zero()));
+}
+
+TEST(TornParts, ThatTouchNothingAndFitStay) {
+    PartialMap map = caps(-0.02, 0.22, where_it_belongs).map;
+    const int before = map.count;
+    EXPECT_EQ(drop_torn(map), 0);
+    EXPECT_EQ(map.count, before);
+}
+
+// Two caps, the upper one `spacings` away from where it belongs.
+PartialMap moved_cap(double low, double high, const Eigen::Vector3d& direction, double spacings) {
+    const Eigen::Vector3d step =
+        spacings * twins().spacing() * (twins().truth(direction) - twins().truth(Eigen::Vector3d::Zero()));
+    return caps(low, high, [step](const Eigen::Vector3d& x) { return Eigen::Vector3d(x + step); }).map;
+}
+
+TEST(TornParts, BeyondAStretchedJointStay) {
+    PartialMap map = moved_cap(0.0, 0.08, Eigen::Vector3d::UnitY(), 4.0);
+    EXPECT_EQ(drop_torn(map), 0);
+}
+
+TEST(TornParts, ThatFitNoAnchorGo) {
+    PartialMap map = moved_cap(0.0, 0.2, Eigen::Vector3d::UnitX(), 8.0);
+    EXPECT_GT(drop_torn(map), 20);
 }
 
 }  // namespace

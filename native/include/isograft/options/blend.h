@@ -31,7 +31,7 @@ struct BlendOptions {
     double alternative = 0.75;
     /// Whole searches, each from other samples and with the best map so far as one core more, while that map is worth
     /// less than `content`.
-    int attempts = 2;
+    int attempts = 3;
     /// Between 0 and 1: share of the area that is expected to be right, where doubt counts four times; less for bodies
     /// out of shape. Right maps of whole bodies reach 0.7 to 0.9.
     double content = 0.66;
