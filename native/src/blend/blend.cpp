@@ -50,7 +50,8 @@ void complete(Contender& contender, const Core& core, const Pair& pair, const Pa
         if (!completion.second_pass(progress.until(0.1 + share))) break;
     }
     progress.reach(0.8);
-    // How far a core reaches without a check says most about it, so it is judged after a free extension.
+    // How far a core reaches without a check says most about it, so it is judged after a free extension; and not by its
+    // worth(), since what reaches too far tears.
     contender.careful = completion.map();
     completion.extend(1.0);
     progress.reach(0.95);

@@ -163,10 +163,11 @@ std::vector<Bridge> bridges(const Samples& source, const std::vector<int>& part,
 // Per part whether most of its bridges are shorter on S than the straight line between their ends' images: no path of
 // that length leads there on T.
 std::vector<char> out_of_reach(const PartialMap& map, const Samples& source, const std::vector<int>& part, int count) {
-    // In spacings. Right limbs beyond a joint that stretched lie up to four too far off: of 1,162 parts beside the
-    // largest one, which was right, of 20 pairs, a slack of one dropped 57 % of the right samples and kept 21 % of the
-    // wrong ones; this one, with what follows below, drops 25 % and keeps 22 %.
+    // Both in spacings.
     constexpr double widest_gap = 10.0;
+    // Right limbs beyond a joint that stretched lie one to four too far off. Of 1,162 parts beside the largest one,
+    // which was right, of 20 pairs, a slack of one dropped 57 % of the right samples and kept 21 % of the wrong ones;
+    // this one, with the limits of drop_torn_parts(), drops 25 % and keeps 22 %.
     constexpr double slack = 3.0;
     std::vector<int> said(count, 0);
     std::vector<int> denied(count, 0);
@@ -182,6 +183,7 @@ std::vector<char> out_of_reach(const PartialMap& map, const Samples& source, con
     return result;
 }
 
+// By more than a bad ring of samples, which also parts a limb from the body.
 bool is_torn(const SampleEdge& e, const PartialMap& map, const Samples& source) {
     return (map.position[e.u] - map.position[e.v]).norm() >= e.length + 2.0 * source.spacing;
 }
@@ -207,7 +209,6 @@ int drop_torn_parts(PartialMap& map, const Pair& pair, const Anchors& anchors) {
     }
     for (const SampleEdge& e : source.edges) {
         if (e.level > 0 || part[e.u] < 0 || part[e.v] < 0 || part[e.u] == part[e.v]) continue;
-        // A bad ring of samples also parts a limb from the body, but by little.
         if (is_torn(e, map, source)) ++torn[std::max(part[e.u], part[e.v])];
     }
     const auto was_another_limb = [&](int p) {

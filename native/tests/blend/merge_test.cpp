@@ -118,11 +118,6 @@ Patch caps(double low, double high, const std::function<Eigen::Vector3d(const Ei
     return both;
 }
 
-// A direction of S as it is on T, as long as so many spacings.
-Eigen::Vector3d step(const Eigen::Vector3d& direction, double spacings) {
-    return twins().spacing() * spacings * (twins().truth(direction) - twins().truth(Eigen::Vector3d::Zero()));
-}
-
 TEST(TornParts, ThatTouchNothingAndFitStay) {
     PartialMap map = caps(-0.02, 0.22, where_it_belongs).map;
     const int before = map.count;
