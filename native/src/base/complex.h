@@ -21,7 +21,7 @@ inline Complex unit(Complex a) {
     return n > 1e-150 ? a * (1.0 / n) : Complex(1.0, 0.0);
 }
 
-/// a / |a| for a product of two unit numbers: one step of Newton's method takes the rounding off.
+/// a / |a| where |a| is 1 within rounding, as of products of unit numbers: one step of Newton's method takes that off.
 inline Complex unit_again(Complex a) { return a * (1.5 - 0.5 * dot(a, a)); }
 
 /// The angle in (-pi, pi] that differs from `a` by full turns.

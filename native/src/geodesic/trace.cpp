@@ -7,60 +7,70 @@
 namespace isograft {
 
 namespace {
-// Below it a path is parallel to an edge, or enters through it.
+// Below it a path is parallel to an edge, or leads away from it.
 constexpr double least_slope = 1e-14;
 }  // namespace
 
 Walker::Walker(const TriangleMesh& mesh, const SurfacePoint& start, Complex direction)
-    : mesh_(&mesh), face_(start.face), entry_(planar(mesh, start)), direction_(unit(direction)) {
-    find_exit();
+    : mesh_(&mesh), base_(3 * start.face), direction_(unit(direction)) {
+    begin(planar(mesh, start));
 }
 
-void Walker::find_exit() {
-    const auto& corner = mesh_->corner[face_];
-    if (entered_ >= 0) {
-        // The side on which the far corner is passed says which of the two other edges is crossed.
-        const int k = entered_ - 3 * face_;
-        const int far = k == 0 ? 2 : k - 1;
-        const int after = k == 2 ? 0 : k + 1;
-        const int start = cross(direction_, corner[far] - entry_) > 0.0 ? after : far;
-        const Complex edge = mesh_->direction[3 * face_ + start];
-        const double slope = cross(direction_, edge);
-        if (slope > least_slope) {
-            exit_ = 3 * face_ + start;
-            inside_ = std::max(cross(corner[start] - entry_, edge) / slope, 0.0);
-            return;
-        }
-    }
+Complex Walker::at(double length) const {
+    return mesh_->corner[face()][base_ % 3] + (entry_ + length * direction_) * mesh_->direction[base_];
+}
+
+// In the first triangle any edge may be the one to leave through. Its frame is that of its first half-edge.
+void Walker::begin(Complex start) {
+    entry_ = start;
+    const auto& corner = mesh_->corner[face()];
     double nearest = std::numeric_limits<double>::max();
-    exit_ = -1;
-    for (int k = 0; k < 3; ++k) {
-        const int h = 3 * face_ + k;
-        if (h == entered_) continue;
-        const Complex edge = mesh_->direction[h];
-        const double slope = cross(direction_, edge);
+    int leave = -1;
+    for (int h = base_; h < base_ + 3; ++h) {
+        const double slope = cross(direction_, mesh_->direction[h]);
         if (slope <= least_slope) continue;
-        const double t = cross(corner[k] - entry_, edge) / slope;
-        if (t < nearest) {
-            nearest = t;
-            exit_ = h;
-        }
+        const double t = cross(corner[h - base_] - entry_, mesh_->direction[h]) / slope;
+        if (t >= nearest) continue;
+        nearest = t;
+        leave = h;
     }
-    inside_ = exit_ < 0 ? 0.0 : std::max(nearest, 0.0);
+    if (leave < 0) return;
+    inside_ = std::max(nearest, 0.0);
+    next_ = mesh_->twin[leave];
+    const Complex crossing = entry_ + inside_ * direction_ - corner[leave - base_];
+    next_at_ = mesh_->length[leave] - dot(crossing, mesh_->direction[leave]);
+    next_direction_ = -direction_ * std::conj(mesh_->direction[leave]);
+}
+
+// The side on which the apex is passed says which of the two other edges is left through, and the rest is products and
+// sums of what is not negative. At a vertex, along the edge on the left, the exit is the edge ahead.
+void Walker::enter(int halfedge, double place, Complex heading) {
+    const HalfedgeView& view = mesh_->view[halfedge];
+    base_ = halfedge;
+    place = std::clamp(place, 0.0, view.length);
+    entry_ = place;
+    // Upward, if only by a rounding.
+    direction_ = {heading.real(), std::max(heading.imag(), 0.0)};
+    const double side = cross(direction_, view.apex - place);
+    const bool left = side > 0.0 || (side == 0.0 && place == 0.0);
+    const double aside = std::abs(side);
+    const double before = left ? view.length - place : place;
+    const double reach = direction_.imag() * before;
+    const double share = 1.0 / (aside + reach);
+    inside_ = view.apex.imag() * before * share;
+    // From the exit's end, where its twin begins, to its start.
+    const Complex back = left ? view.length - view.apex : view.apex;
+    next_ = view.beyond[left ? 0 : 1];
+    if (next_ < 0) return;
+    const double length = mesh_->view[next_].length;
+    next_at_ = length * (left ? aside : reach) * share;
+    next_direction_ = unit_again(direction_ * std::conj(back) * (1.0 / length));
 }
 
 bool Walker::advance() {
-    if (exit_ < 0) return false;
-    const int twin = mesh_->twin[exit_];
-    if (twin < 0) return false;
-    const Complex crossing = at(inside_) - mesh_->corner[face_][exit_ % 3];
-    const double along = std::clamp(dot(crossing, mesh_->direction[exit_]), 0.0, mesh_->length[exit_]);
+    if (next_ < 0) return false;
     travelled_ += inside_;
-    direction_ = unit_again(direction_ * mesh_->rotation[exit_]);
-    face_ = twin / 3;
-    entered_ = twin;
-    entry_ = mesh_->corner[face_][twin % 3] + (mesh_->length[twin] - along) * mesh_->direction[twin];
-    find_exit();
+    enter(next_, next_at_, next_direction_);
     return true;
 }
 

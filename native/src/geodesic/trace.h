@@ -22,7 +22,10 @@ struct Trace {
 /// O(triangles crossed). What growth carries directions along with (paper section 4.3).
 Trace trace(const TriangleMesh& mesh, const SurfacePoint& start, Complex direction, double length);
 
-/// One step of a walk through triangles, for callers that sample along the way.
+/// A straight walk, triangle by triangle, for callers that sample along the way.
+///
+/// In each triangle the edge that was entered through lies along the real axis. Directions turn from frame to frame and
+/// places are found anew on every edge, so that one sliver does not scale up the rounding of another.
 class Walker {
   public:
     Walker(const TriangleMesh& mesh, const SurfacePoint& start, Complex direction);
@@ -31,22 +34,28 @@ class Walker {
     [[nodiscard]] double travelled() const { return travelled_; }
     /// Length left inside the current triangle.
     [[nodiscard]] double inside() const { return inside_; }
-    [[nodiscard]] int face() const { return face_; }
-    [[nodiscard]] Complex direction() const { return direction_; }
+    [[nodiscard]] int face() const { return base_ / 3; }
+    /// In the current triangle's frame.
+    [[nodiscard]] Complex direction() const { return direction_ * mesh_->direction[base_]; }
     /// The planar point `length` further inside the current triangle.
-    [[nodiscard]] Complex at(double length) const { return entry_ + length * direction_; }
+    [[nodiscard]] Complex at(double length) const;
     /// Step into the next triangle. \return false at a boundary; the walker then stays where it is.
     bool advance();
 
   private:
-    void find_exit();
+    void begin(Complex start);
+    void enter(int halfedge, double place, Complex heading);
 
     const TriangleMesh* mesh_;
-    int face_;
-    int entered_ = -1;
-    int exit_ = -1;
+    /// The half-edge entered through, the first of its triangle at the start.
+    int base_;
+    /// In its frame.
     Complex entry_;
     Complex direction_;
+    /// The half-edge on the other side of the one that the path leaves through, where on it, and the direction there.
+    int next_ = -1;
+    double next_at_ = 0.0;
+    Complex next_direction_;
     double travelled_ = 0.0;
     double inside_ = 0.0;
 };

@@ -61,58 +61,45 @@ double unfolded_angle(const Unfolded& u, double edge, Complex far, double from_a
 
 // A vertex of a good mesh is corrected twice or so, one beside slivers a hundred times.
 constexpr int most_offers = 5000;
+static_assert(most_offers < std::numeric_limits<std::uint16_t>::max());
 
 }  // namespace
 
-Window::Window(const TriangleMesh& mesh)
-    : mesh_(&mesh),
-      distance_(mesh.vertex_count()),
-      angle_(mesh.vertex_count()),
-      bent_(mesh.vertex_count(), 0),
-      offers_(mesh.vertex_count(), 0),
-      stamp_(mesh.vertex_count(), 0) {}
+Window::Window(const TriangleMesh& mesh) : mesh_(&mesh), place_(mesh.vertex_count()) {}
 
 bool Window::improves(int vertex, double distance) const {
     // A gain beyond rounding counts: were it larger, the order of the triangles would decide between near ties. Round
     // slivers gains can chase each other downward without end, so a vertex is corrected only so often.
-    return !has(vertex) || (distance < distance_[vertex] * (1.0 - 1e-13) && offers_[vertex] < most_offers);
+    const Place& known = place_[vertex];
+    return !has(vertex) || (distance < known.distance * (1.0 - 1e-13) && known.offers < most_offers);
 }
 
 void Window::settle(int vertex, double distance, double angle, bool bent) {
-    if (!has(vertex)) {
-        reached_.push_back(vertex);
-        offers_[vertex] = 0;
-    }
-    ++offers_[vertex];
-    stamp_[vertex] = run_;
-    distance_[vertex] = distance;
-    angle_[vertex] = angle;
-    bent_[vertex] = bent ? 1 : 0;
+    const bool first = !has(vertex);
+    if (first) reached_.push_back(vertex);
+    Place& place = place_[vertex];
+    place = {distance, angle, run_, static_cast<std::uint16_t>(first ? 1 : place.offers + 1), bent};
     heap_.emplace_back(distance, vertex);
     std::push_heap(heap_.begin(), heap_.end(), std::greater<>());
 }
 
-void Window::relax_across(int face, int corner_from, int corner_to, int corner_far) {
-    const auto& vertices = mesh_->face[face];
-    const int from = vertices[corner_from];
-    const int to = vertices[corner_to];
-    const int h = 3 * face + corner_from;
-    const auto& corner = mesh_->corner[face];
-    const Complex far = (corner[corner_far] - corner[corner_from]) * std::conj(mesh_->direction[h]);
+// From the ends of a half-edge to the corner beyond it.
+void Window::relax_across(int halfedge, int from, int to, int apex) {
+    const HalfedgeView& view = mesh_->view[halfedge];
+    const Place &at_from = place_[from], &at_to = place_[to], &known = place_[apex];
     // No point of the edge is nearer than half of this, and beyond it there is still the height of the triangle.
-    const double ends = distance_[from] + distance_[to] - mesh_->length[h];
-    if (has(vertices[corner_far]) && distance_[vertices[corner_far]] < 0.5 * ends + far.imag()) return;
-    const Unfolded u = unfold(mesh_->length[h], far, distance_[from], distance_[to]);
+    const double ends = at_from.distance + at_to.distance - view.length;
+    if (has(apex) && known.distance < 0.5 * ends + view.apex.imag()) return;
+    const Unfolded u = unfold(view.length, view.apex, at_from.distance, at_to.distance);
     // Most offers are no better than what is known: their angle is not asked for.
-    if (!improves(vertices[corner_far], u.distance)) return;
+    if (!improves(apex, u.distance)) return;
     bool bent = false;
     if (u.straight) {
-        bent = bent_[from] != 0 && bent_[to] != 0;
+        bent = at_from.bent && at_to.bent;
     } else {
-        const int over = u.over_from ? from : to;
-        bent = bent_[over] != 0 || mesh_->on_boundary[over] != 0;
+        bent = (u.over_from ? at_from : at_to).bent || mesh_->on_boundary[u.over_from ? from : to] != 0;
     }
-    settle(vertices[corner_far], u.distance, unfolded_angle(u, mesh_->length[h], far, angle_[from], angle_[to]), bent);
+    settle(apex, u.distance, unfolded_angle(u, view.length, view.apex, at_from.angle, at_to.angle), bent);
 }
 
 void Window::relax_from(int vertex) {
@@ -122,14 +109,14 @@ void Window::relax_from(int vertex) {
         const int k = vertices[0] == vertex ? 0 : vertices[1] == vertex ? 1 : 2;
         const int next = (k + 1) % 3;
         const int last = (k + 2) % 3;
-        if (has(vertices[next])) relax_across(f, k, next, last);
-        if (has(vertices[last])) relax_across(f, last, k, next);
+        if (has(vertices[next])) relax_across(3 * f + k, vertex, vertices[next], vertices[last]);
+        if (has(vertices[last])) relax_across(3 * f + last, vertices[last], vertex, vertices[next]);
     }
 }
 
 void Window::run(const SurfacePoint& centre, double radius) {
     if (++run_ == 0) {  // the stamps have come full circle
-        std::fill(stamp_.begin(), stamp_.end(), 0);
+        for (Place& place : place_) place.run = 0;
         run_ = 1;
     }
     reached_.clear();
@@ -144,7 +131,7 @@ void Window::run(const SurfacePoint& centre, double radius) {
         const auto [distance, vertex] = heap_.front();
         std::pop_heap(heap_.begin(), heap_.end(), std::greater<>());
         heap_.pop_back();
-        if (distance > distance_[vertex]) continue;
+        if (distance > place_[vertex].distance) continue;
         if (distance > radius) break;
         relax_from(vertex);
     }
@@ -172,7 +159,7 @@ std::optional<Polar> Window::query(const SurfacePoint& point) const {
         if (!has(from) || !has(to)) continue;
         const int h = 3 * point.face + k;
         const Complex far = (x - corner[k]) * std::conj(mesh_->direction[h]);
-        const Unfolded u = unfold(mesh_->length[h], far, distance_[from], distance_[to]);
+        const Unfolded u = unfold(mesh_->length[h], far, place_[from].distance, place_[to].distance);
         if (best && u.distance >= best->distance) continue;
         best = u;
         best_far = far;
@@ -181,8 +168,8 @@ std::optional<Polar> Window::query(const SurfacePoint& point) const {
     if (!best) return std::nullopt;
     const int next = (best_corner + 1) % 3;
     const int h = 3 * point.face + best_corner;
-    const double angle =
-        unfolded_angle(*best, mesh_->length[h], best_far, angle_[vertices[best_corner]], angle_[vertices[next]]);
+    const double angle = unfolded_angle(*best, mesh_->length[h], best_far, place_[vertices[best_corner]].angle,
+                                        place_[vertices[next]].angle);
     const Complex back = best->straight ? (best->source - best_far) * mesh_->direction[h]
                                         : (best->over_from ? corner[best_corner] : corner[next]) - x;
     return Polar{best->distance, wrap_angle(angle), unit(back)};

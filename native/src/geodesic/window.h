@@ -35,11 +35,11 @@ class Window {
 
     /// Vertices with a distance, in the order in which they got their first one. A few lie beyond the radius.
     [[nodiscard]] const std::vector<int>& reached() const { return reached_; }
-    [[nodiscard]] bool has(int vertex) const { return stamp_[vertex] == run_; }
-    [[nodiscard]] double distance(int vertex) const { return distance_[vertex]; }
-    [[nodiscard]] double angle(int vertex) const { return angle_[vertex]; }
+    [[nodiscard]] bool has(int vertex) const { return place_[vertex].run == run_; }
+    [[nodiscard]] double distance(int vertex) const { return place_[vertex].distance; }
+    [[nodiscard]] double angle(int vertex) const { return place_[vertex].angle; }
     /// The path to the vertex bends at a boundary: the distance may be a detour around something that is missing.
-    [[nodiscard]] bool bent(int vertex) const { return bent_[vertex] != 0; }
+    [[nodiscard]] bool bent(int vertex) const { return place_[vertex].bent; }
 
     /// The same of a surface point: of the corners of its triangle two or more that were reached.
     [[nodiscard]] bool bent_at(const SurfacePoint& point) const;
@@ -48,16 +48,23 @@ class Window {
     [[nodiscard]] std::optional<Polar> query(const SurfacePoint& point) const;
 
   private:
+    // In one place, since whoever asks for one of these asks for the others.
+    struct Place {
+        double distance = 0.0;
+        double angle = 0.0;
+        /// The run that reached it last, and how often it got a distance there.
+        std::uint32_t run = 0;
+        std::uint16_t offers = 0;
+        bool bent = false;
+    };
+
     [[nodiscard]] bool improves(int vertex, double distance) const;
     void settle(int vertex, double distance, double angle, bool bent);
     void relax_from(int vertex);
-    void relax_across(int face, int corner_from, int corner_to, int corner_far);
+    void relax_across(int halfedge, int from, int to, int apex);
 
     const TriangleMesh* mesh_;
-    std::vector<double> distance_, angle_;
-    std::vector<char> bent_;
-    std::vector<int> offers_;
-    std::vector<std::uint32_t> stamp_;
+    std::vector<Place> place_;
     std::uint32_t run_ = 0;
     std::vector<int> reached_;
     std::vector<std::pair<double, int>> heap_;

@@ -102,7 +102,7 @@ void measure(TriangleMesh& mesh, Monitor& monitor) {
     const int faces = mesh.face_count();
     mesh.length.resize(3 * faces);
     mesh.direction.resize(3 * faces);
-    mesh.rotation.assign(3 * faces, Complex(1.0, 0.0));
+    mesh.view.resize(3 * faces);
     monitor.check();
     mesh.corner.resize(faces);
     mesh.axis_x.resize(faces);
@@ -140,12 +140,14 @@ void measure(TriangleMesh& mesh, Monitor& monitor) {
     for (auto& n : mesh.vertex_normal) n.normalize();
     for (int h = 0; h < 3 * faces; ++h) {
         if (h % often == 0) monitor.check();
-        if (mesh.twin[h] >= 0) {
-            mesh.rotation[h] = -mesh.direction[mesh.twin[h]] * std::conj(mesh.direction[h]);
-        } else {
-            mesh.on_boundary[mesh.from(h)] = 1;
-            mesh.on_boundary[mesh.to(h)] = 1;
-        }
+        const auto& corner = mesh.corner[h / 3];
+        const int next = following(h), last = following(next);
+        mesh.view[h] = {(corner[last % 3] - corner[h % 3]) * std::conj(mesh.direction[h]),
+                        mesh.length[h],
+                        {mesh.twin[next], mesh.twin[last]}};
+        if (mesh.twin[h] >= 0) continue;
+        mesh.on_boundary[mesh.from(h)] = 1;
+        mesh.on_boundary[mesh.to(h)] = 1;
     }
 }
 
@@ -318,6 +320,10 @@ TriangleMesh scaled(const TriangleMesh& mesh, double factor) {
     }
     for (auto& a : result.vertex_area) a *= factor * factor;
     result.area *= factor * factor;
+    for (HalfedgeView& view : result.view) {
+        view.apex *= factor;
+        view.length *= factor;
+    }
     result.mean_edge *= factor;
     return result;
 }

@@ -16,6 +16,16 @@ namespace isograft {
 /// from outside. Products with unit numbers are rotations.
 using Complex = std::complex<double>;
 
+/// A triangle as one of its half-edges sees it, which runs from 0 along the real axis. In one place, since paths and
+/// windows that go from triangle to triangle ask for little else.
+struct HalfedgeView {
+    /// The corner that the half-edge does not touch.
+    Complex apex;
+    double length = 0.0;
+    /// Beyond the next half-edge and the one after it: their opposite ones, -1 on the boundary.
+    std::array<int, 2> beyond{-1, -1};
+};
+
 /// An oriented manifold triangle mesh with everything that walking over it needs.
 ///
 /// Half-edge 3 f + k runs from corner k to corner k + 1 of triangle f. Vertices with several fans are split, so
@@ -29,8 +39,8 @@ struct TriangleMesh {
     std::vector<double> length;
     /// Per half-edge its unit direction in its triangle's frame.
     std::vector<Complex> direction;
-    /// Per half-edge the rotation from its triangle's frame to its twin's (1 on the boundary).
-    std::vector<Complex> rotation;
+    /// Per half-edge.
+    std::vector<HalfedgeView> view;
     /// Per triangle the corners in its frame; the first is 0.
     std::vector<std::array<Complex, 3>> corner;
     /// Per triangle the frame's axes and the outward normal.

@@ -44,6 +44,57 @@ TEST(Trace, IsStraightOnThePlaneWhateverTheTriangles) {
     }
 }
 
+// A line of the grid: every vertex on it is met head on, or the path runs along the edges.
+TEST(Trace, RunsThroughVerticesAndAlongEdges) {
+    const TriangleMesh mesh = shapes::mesh_of(shapes::grid(30, 30, 0.1, 0.1));
+    for (int f = 0; f < mesh.face_count(); ++f) {
+        for (int k = 0; k < 3; ++k) {
+            SurfacePoint corner;
+            corner.face = f;
+            corner.weight = {0.0, 0.0, 0.0};
+            corner.weight[k] = 1.0;
+            const Eigen::Vector3d from = position(mesh, corner);
+            if ((from - Eigen::Vector3d(1.5, 1.5, 0.0)).lpNorm<Eigen::Infinity>() > 0.41) continue;
+            for (int turn = 0; turn < 8; ++turn) {
+                const Eigen::Vector3d way(std::cos(M_PI_4 * turn), std::sin(M_PI_4 * turn), 0.0);
+                const Trace t = trace(mesh, corner, flatten(mesh, f, way), 0.93);
+                ASSERT_TRUE(t.complete) << f << " " << k << " " << turn;
+                EXPECT_LT((position(mesh, t.end) - from - 0.93 * way).norm(), inset);
+                EXPECT_LT((lift(mesh, t.end.face, t.direction) - way).norm(), 1e-12);
+            }
+        }
+    }
+}
+
+// Needles a thousandth as wide as long, crossed from end to end: rounding in one is not scaled up by the next.
+TEST(Trace, IsStraightThroughNeedles) {
+    const TriangleMesh mesh = shapes::mesh_of(shapes::grid(12, 600, 1.0, 0.001));
+    Random random(4);
+    const Eigen::Vector3d middle(6.3, 0.3, 0.0);
+    const SurfacePoint start = shapes::point_nearest(mesh, middle);
+    for (int i = 0; i < 60; ++i) {
+        const Complex d = std::polar(1.0, 0.02 * (random.uniform() - 0.5) + (i % 2) * M_PI);
+        const Eigen::Vector3d way = lift(mesh, start.face, d);
+        const Trace t = trace(mesh, start, d, 5.0);
+        ASSERT_TRUE(t.complete);
+        EXPECT_LT((position(mesh, t.end) - position(mesh, start) - 5.0 * way).norm(), 5e-7);
+        EXPECT_LT((lift(mesh, t.end.face, t.direction) - way).norm(), 1e-11);
+    }
+}
+
+TEST(Trace, GoesTheSameWayOnAScaledMesh) {
+    const TriangleMesh mesh = shapes::mesh_of(shapes::blob(3));
+    const TriangleMesh larger = scaled(mesh, 4.0);
+    Random random(6);
+    for (int i = 0; i < 100; ++i) {
+        const SurfacePoint start = random_point(mesh, random);
+        const Complex d = std::polar(1.0, 6.0 * random.uniform());
+        const Trace a = trace(mesh, start, d, 1.2), b = trace(larger, start, d, 4.8);
+        EXPECT_EQ(a.end.face, b.end.face);
+        EXPECT_LT((4.0 * position(mesh, a.end) - position(larger, b.end)).norm(), 1e-12);
+    }
+}
+
 TEST(Trace, EndsAtTheBoundaryWithTheLengthWalked) {
     const TriangleMesh mesh = shapes::mesh_of(shapes::grid(10, 10, 0.1, 0.1));
     const SurfacePoint start = shapes::point_nearest(mesh, {0.53, 0.47, 0.0});
@@ -161,7 +212,7 @@ TEST(Transport, AroundAVertexTurnsByItsAngleDefect) {
             const int k = mesh.face[f][0] == v ? 0 : mesh.face[f][1] == v ? 1 : 2;
             const int last = 3 * f + (k + 2) % 3;
             angles += std::arg(-mesh.direction[last] * std::conj(mesh.direction[3 * f + k]));
-            turn *= mesh.rotation[last];
+            turn *= -mesh.direction[mesh.twin[last]] * std::conj(mesh.direction[last]);
             f = mesh.twin[last] / 3;
         } while (f != first);
         EXPECT_LT(std::abs(turn - std::polar(1.0, 2.0 * M_PI - angles)), 1e-12);

@@ -33,7 +33,12 @@ void expect_one_place(const TriangleMesh& a, const TriangleMesh& b) {
     EXPECT_EQ(a.vertex_face, b.vertex_face);
     EXPECT_EQ(a.component, b.component);
     EXPECT_EQ(a.length, b.length);
-    EXPECT_EQ(a.rotation, b.rotation);
+    ASSERT_EQ(a.view.size(), b.view.size());
+    for (std::size_t h = 0; h < a.view.size(); ++h) {
+        EXPECT_EQ(a.view[h].apex, b.view[h].apex);
+        EXPECT_EQ(a.view[h].length, b.view[h].length);
+        EXPECT_EQ(a.view[h].beyond, b.view[h].beyond);
+    }
 }
 
 /// A body with a plane of symmetry, unlike above and below, before and behind.
