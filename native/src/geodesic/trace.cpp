@@ -38,7 +38,7 @@ void Walker::begin(Complex start) {
     inside_ = std::max(nearest, 0.0);
     next_ = mesh_->twin[leave];
     const Complex crossing = entry_ + inside_ * direction_ - corner[leave - base_];
-    next_at_ = mesh_->length[leave] - dot(crossing, mesh_->direction[leave]);
+    next_at_ = mesh_->view[leave].length - dot(crossing, mesh_->direction[leave]);
     next_direction_ = -direction_ * std::conj(mesh_->direction[leave]);
 }
 

@@ -97,7 +97,8 @@ void Window::relax_across(int halfedge, int from, int to, int apex) {
     if (u.straight) {
         bent = at_from.bent && at_to.bent;
     } else {
-        bent = (u.over_from ? at_from : at_to).bent || mesh_->on_boundary[u.over_from ? from : to] != 0;
+        const int over = u.over_from ? from : to;
+        bent = place_[over].bent || mesh_->on_boundary[over] != 0;
     }
     settle(apex, u.distance, unfolded_angle(u, view.length, view.apex, at_from.angle, at_to.angle), bent);
 }
@@ -159,7 +160,7 @@ std::optional<Polar> Window::query(const SurfacePoint& point) const {
         if (!has(from) || !has(to)) continue;
         const int h = 3 * point.face + k;
         const Complex far = (x - corner[k]) * std::conj(mesh_->direction[h]);
-        const Unfolded u = unfold(mesh_->length[h], far, place_[from].distance, place_[to].distance);
+        const Unfolded u = unfold(mesh_->view[h].length, far, place_[from].distance, place_[to].distance);
         if (best && u.distance >= best->distance) continue;
         best = u;
         best_far = far;
@@ -168,7 +169,7 @@ std::optional<Polar> Window::query(const SurfacePoint& point) const {
     if (!best) return std::nullopt;
     const int next = (best_corner + 1) % 3;
     const int h = 3 * point.face + best_corner;
-    const double angle = unfolded_angle(*best, mesh_->length[h], best_far, place_[vertices[best_corner]].angle,
+    const double angle = unfolded_angle(*best, mesh_->view[h].length, best_far, place_[vertices[best_corner]].angle,
                                         place_[vertices[next]].angle);
     const Complex back = best->straight ? (best->source - best_far) * mesh_->direction[h]
                                         : (best->over_from ? corner[best_corner] : corner[next]) - x;

@@ -50,7 +50,7 @@ void join_near(const TriangleMesh& mesh, VertexLevels& levels, int threads, Moni
                 const int f = mesh.vertex_face[i];
                 for (int k = 0; k < 3; ++k) {
                     if (mesh.face[f][k] != u) ring.push_back(mesh.face[f][k]);
-                    radius = std::max(radius, mesh.length[3 * f + k]);
+                    radius = std::max(radius, mesh.view[3 * f + k].length);
                 }
             }
             Window& window = windows[worker];

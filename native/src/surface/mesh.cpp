@@ -100,7 +100,6 @@ void collect_fans(TriangleMesh& mesh, Monitor& monitor) {
 
 void measure(TriangleMesh& mesh, Monitor& monitor) {
     const int faces = mesh.face_count();
-    mesh.length.resize(3 * faces);
     mesh.direction.resize(3 * faces);
     mesh.view.resize(3 * faces);
     monitor.check();
@@ -129,7 +128,7 @@ void measure(TriangleMesh& mesh, Monitor& monitor) {
                           Complex(ac.dot(mesh.axis_x[f]), ac.dot(mesh.axis_y[f]))};
         for (int k = 0; k < 3; ++k) {
             const Complex e = mesh.corner[f][(k + 1) % 3] - mesh.corner[f][k];
-            mesh.length[3 * f + k] = std::abs(e);
+            mesh.view[3 * f + k].length = std::abs(e);
             mesh.direction[3 * f + k] = e / std::abs(e);
             edges += std::abs(e);
             mesh.vertex_area[mesh.face[f][k]] += area / 3.0;
@@ -142,9 +141,9 @@ void measure(TriangleMesh& mesh, Monitor& monitor) {
         if (h % often == 0) monitor.check();
         const auto& corner = mesh.corner[h / 3];
         const int next = following(h), last = following(next);
-        mesh.view[h] = {(corner[last % 3] - corner[h % 3]) * std::conj(mesh.direction[h]),
-                        mesh.length[h],
-                        {mesh.twin[next], mesh.twin[last]}};
+        HalfedgeView& view = mesh.view[h];
+        view.apex = (corner[last % 3] - corner[h % 3]) * std::conj(mesh.direction[h]);
+        view.beyond = {mesh.twin[next], mesh.twin[last]};
         if (mesh.twin[h] >= 0) continue;
         mesh.on_boundary[mesh.from(h)] = 1;
         mesh.on_boundary[mesh.to(h)] = 1;
@@ -314,7 +313,6 @@ TriangleMesh in_order_of_place(const TriangleMesh& mesh, const std::vector<Eigen
 TriangleMesh scaled(const TriangleMesh& mesh, double factor) {
     TriangleMesh result = mesh;
     for (auto& p : result.position) p *= factor;
-    for (auto& l : result.length) l *= factor;
     for (auto& c : result.corner) {
         for (auto& z : c) z *= factor;
     }

@@ -21,6 +21,7 @@ using Complex = std::complex<double>;
 struct HalfedgeView {
     /// The corner that the half-edge does not touch.
     Complex apex;
+    /// Of the half-edge.
     double length = 0.0;
     /// Beyond the next half-edge and the one after it: their opposite ones, -1 on the boundary.
     std::array<int, 2> beyond{-1, -1};
@@ -35,8 +36,6 @@ struct TriangleMesh {
     std::vector<std::array<int, 3>> face;
     /// Per half-edge the opposite one, -1 on the boundary.
     std::vector<int> twin;
-    /// Per half-edge.
-    std::vector<double> length;
     /// Per half-edge its unit direction in its triangle's frame.
     std::vector<Complex> direction;
     /// Per half-edge.

@@ -70,7 +70,8 @@ double power_of_two_below(double x) { return std::exp2(std::floor(std::log2(x)))
 std::vector<double> grains(const TriangleMesh& mesh, double radius) {
     std::vector<double> grain(mesh.vertex_count(), power_of_two_below(radius) * single_precision);
     for (int f = 0; f < mesh.face_count(); ++f) {
-        const double longest = std::max({mesh.length[3 * f], mesh.length[3 * f + 1], mesh.length[3 * f + 2]});
+        const double longest =
+            std::max({mesh.view[3 * f].length, mesh.view[3 * f + 1].length, mesh.view[3 * f + 2].length});
         const double height = cross(mesh.corner[f][1], mesh.corner[f][2]) / longest;
         for (const int v : mesh.face[f]) {
             if (grain[v] > most_grain * height) grain[v] = power_of_two_below(most_grain * height);

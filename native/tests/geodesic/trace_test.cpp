@@ -8,6 +8,7 @@
 
 #include "base/random.h"
 #include "shapes.h"
+#include "surface/edges.h"
 
 namespace isograft {
 namespace {
@@ -206,15 +207,17 @@ TEST(Transport, AroundAVertexTurnsByItsAngleDefect) {
     for (int v = 0; v < mesh.vertex_count(); ++v) {
         double angles = 0.0;
         Complex turn(1.0, 0.0);
-        const int first = mesh.vertex_face[mesh.vertex_face_begin[v]];
-        int f = first;
+        const int f = mesh.vertex_face[mesh.vertex_face_begin[v]];
+        const int first = 3 * f + (mesh.face[f][0] == v ? 0 : mesh.face[f][1] == v ? 1 : 2);
+        int h = first;
         do {
-            const int k = mesh.face[f][0] == v ? 0 : mesh.face[f][1] == v ? 1 : 2;
-            const int last = 3 * f + (k + 2) % 3;
-            angles += std::arg(-mesh.direction[last] * std::conj(mesh.direction[3 * f + k]));
-            turn *= -mesh.direction[mesh.twin[last]] * std::conj(mesh.direction[last]);
-            f = mesh.twin[last] / 3;
-        } while (f != first);
+            ASSERT_EQ(mesh.from(h), v);
+            const int last = following(following(h));
+            angles += std::arg(-mesh.direction[last] * std::conj(mesh.direction[h]));
+            // From the half-edge's frame to that of the next one around the vertex, as a path is carried.
+            turn *= std::conj(unit(mesh.view[h].apex));
+            h = mesh.view[h].beyond[1];
+        } while (h != first);
         EXPECT_LT(std::abs(turn - std::polar(1.0, 2.0 * M_PI - angles)), 1e-12);
     }
 }
