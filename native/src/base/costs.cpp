@@ -23,8 +23,8 @@ Costs::Costs(const MatchOptions& options)
     setting_ = samples * (0.25 / pair + 0.6 / n);
     probes_of_setting_ = (0.05 * samples + 0.1 * options.scale.probes / 120.0) / n;
     growth_ = (0.05 * samples + 0.2 * options.seed.probes / 250.0 + 0.75 * patch * options.blend.patches / 120.0) / n;
-    core_ = samples * (0.12 + 0.11 * options.blend.rounds);
-    answer_ = samples * (0.4 + 0.35 * options.blend.careful_rounds);
+    core_ = samples * (0.1 + 0.085 * options.blend.rounds);
+    answer_ = samples * (0.32 + 0.27 * options.blend.careful_rounds);
     const double sliding = 0.15 * options.dense.refine_coarse_iterations +
                            0.1 * options.dense.refine_relief_iterations + 0.09 * options.dense.refine_iterations;
     refinement_ = options.dense.refine_weight > 0.0 ? samples * sliding / n : 0.0;
