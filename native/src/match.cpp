@@ -15,6 +15,7 @@
 #include "blend/core_scale.h"
 #include "blend/landmarks.h"
 #include "blend/merge.h"
+#include "blend/registration.h"
 #include "dense/densify.h"
 #include "dense/refine.h"
 #include "dense/vertex_place.h"
@@ -367,6 +368,8 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
         const double end = at + (1.0 - at) / static_cast<double>(answers.size() - i);
         const double refined = end_of_part(at, end, refining, costs.dense(points));
         PartialMap& map = answers[i].map;
+        watcher.report("refinement", begin);
+        extend_by_registration(map, pair, answers[i].risk, options.threads, watcher);
         drop_collisions(map, pair, answers[i].risk, options.growth.collision_radius);
         refine(map, pair, options.feature, options.growth, options.dense, options.threads, watcher, begin, refined);
         lap("refinement", map_bytes);

@@ -18,21 +18,21 @@ MatchOptions few_samples() {
     return options;
 }
 
-PreparedPair prepare(const shapes::Shape& source, const Eigen::Matrix3d& turn, const Eigen::Vector3d& shift,
-                     const MatchOptions& options) {
+PreparedPair prepare(const shapes::Shape& source, const shapes::Shape& other, const Eigen::Matrix3d& turn,
+                     const Eigen::Vector3d& shift, const MatchOptions& options) {
     MatchReport report;
     Monitor monitor;
-    const shapes::Shape other = shapes::renumbered(shapes::moved(source, turn, shift), 5).shape;
-    return prepare_pair(gate(source), gate(other), options, report, monitor, 0.0, 1.0);
+    const shapes::Shape target = shapes::renumbered(shapes::moved(other, turn, shift), 5).shape;
+    return prepare_pair(gate(source), gate(target), options, report, monitor, 0.0, 1.0);
 }
 
 }  // namespace
 
-Twins::Twins(const shapes::Shape& source)
+Twins::Twins(const shapes::Shape& source, const shapes::Shape& other)
     : turn_(shapes::some_rotation()),
       shift_(4.0, -3.0, 2.0),
       options_(few_samples()),
-      prepared_(prepare(source, turn_, shift_, options_)) {}
+      prepared_(prepare(source, other, turn_, shift_, options_)) {}
 
 const Twins& Twins::of_a_blob() {
     static const Twins twins(shapes::blob(4));

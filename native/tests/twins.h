@@ -15,7 +15,9 @@ namespace isograft {
 /// A body without symmetry and the same turned, moved and renumbered, prepared for matching: the right map is known.
 class Twins {
   public:
-    explicit Twins(const shapes::Shape& source);
+    explicit Twins(const shapes::Shape& source) : Twins(source, source) {}
+    /// The target is made of `other`, which lies where the source does and may lack parts of it.
+    Twins(const shapes::Shape& source, const shapes::Shape& other);
 
     [[nodiscard]] const Pair& pair() const { return prepared_.pair; }
     [[nodiscard]] const PreparedPair& prepared() const { return prepared_; }

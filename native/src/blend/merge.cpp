@@ -89,6 +89,12 @@ void merge_into(PartialMap& map, const Pair& pair, const PatchSettings& settings
     }
 }
 
+bool keeps_length(const Samples& source, const SampleEdge& edge, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+    const double on_target = (a - b).norm();
+    const double on_source = (source.position[edge.u] - source.position[edge.v]).norm();
+    return std::abs(on_target - on_source) <= 0.35 * edge.length + 0.2 * source.spacing;
+}
+
 std::vector<int> continuous_parts(const PartialMap& map, const Pair& pair) {
     const Samples& source = pair.source.samples;
     std::vector<int> label(source.count(), -1);
@@ -107,10 +113,7 @@ std::vector<int> continuous_parts(const PartialMap& map, const Pair& pair) {
             for (const int e : source.base_edges_of[u]) {
                 const int v = source.edges[e].other(u);
                 if (!map.mapped[v] || label[v] >= 0) continue;
-                const double on_target = (map.position[u] - map.position[v]).norm();
-                const double on_source = (source.position[u] - source.position[v]).norm();
-                const double allowed = 0.35 * source.edges[e].length + 0.2 * source.spacing;
-                if (std::abs(on_target - on_source) > allowed) continue;
+                if (!keeps_length(source, source.edges[e], map.position[u], map.position[v])) continue;
                 label[v] = part;
                 stack.push_back(v);
             }

@@ -13,6 +13,10 @@ namespace isograft {
 void merge_into(PartialMap& map, const Pair& pair, const PatchSettings& settings,
                 const std::vector<const Patch*>& patches, const std::vector<double>& weights);
 
+/// Whether the images of an edge's ends, `a` and `b` in space, are as far apart as the ends are: to a third of the edge
+/// and a fifth of a spacing.
+bool keeps_length(const Samples& source, const SampleEdge& edge, const Eigen::Vector3d& a, const Eigen::Vector3d& b);
+
 /// Number the parts of a map that are continuous on both surfaces, the largest area 0; -1 where unmapped.
 std::vector<int> continuous_parts(const PartialMap& map, const Pair& pair);
 

@@ -12,6 +12,8 @@
 #include "base/sorting.h"
 #include "dense/cloud_rows.h"
 #include "dense/vertex_place.h"
+#include "geodesic/trace.h"
+#include "growth/image_cells.h"
 #include "isograft/errors.h"
 #include "surface/clean.h"
 
@@ -83,7 +85,7 @@ VertexImage between(const TriangleMesh& mesh, const SurfacePoint& place, const s
     // Corners torn apart do not average to anything.
     const double apart = (nearest.position - mean).norm();
     image.point =
-        apart < 2.0 * pair.source.samples.spacing ? settle(pair.target.mesh, nearest.point, mean) : nearest.point;
+        apart < 2.0 * pair.source.samples.spacing ? walked_to(pair.target.mesh, nearest.point, mean) : nearest.point;
     image.position = position(pair.target.mesh, image.point);
     image.confidence /= total;
     image.stretch /= total;
@@ -154,29 +156,17 @@ void share_welded(Correspondence& c, const Detail& source) {
 
 void drop_collisions(PartialMap& map, const Pair& pair, const std::vector<double>& risk, double radius) {
     const Samples& source = pair.source.samples;
-    const Samples& target = pair.target.samples;
-    std::vector<std::vector<int>> cell(target.count());
     std::vector<int> order;
     for (int s = 0; s < source.count(); ++s) {
         if (map.mapped[s]) order.push_back(s);
     }
     std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return risk[a] < risk[b]; });
-    const double limit = radius * source.spacing;
+    ImageCells images(pair);
     for (const int s : order) {
-        const int home = target.nearest(pair.target.mesh, map.image[s]);
-        if (home < 0) continue;
-        const auto collides = [&](int index) {
-            return std::any_of(cell[index].begin(), cell[index].end(), [&](int other) {
-                if ((map.position[other] - map.position[s]).norm() >= limit) return false;
-                return (source.position[other] - source.position[s]).norm() > 2.0 * source.spacing;
-            });
-        };
-        bool hit = collides(home);
-        for (const int e : target.base_edges_of[home]) hit = hit || collides(target.edges[e].other(home));
-        if (hit) {
+        if (images.taken(map, s, map.image[s], radius * source.spacing)) {
             map.drop(s);
         } else {
-            cell[home].push_back(s);
+            images.put(map, s);
         }
     }
 }

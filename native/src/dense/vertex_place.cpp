@@ -10,11 +10,6 @@
 
 namespace isograft {
 
-SurfacePoint settle(const TriangleMesh& mesh, const SurfacePoint& start, const Eigen::Vector3d& mean) {
-    const Complex step = flatten(mesh, start.face, mean - position(mesh, start));
-    return std::abs(step) > 1e-12 ? trace(mesh, start, step, std::abs(step)).end : start;
-}
-
 std::optional<VertexPlace> place_of_vertex(int vertex, const PartialMap& map, const Pair& pair, double reach) {
     struct Landing {
         SurfacePoint point;
@@ -43,7 +38,7 @@ std::optional<VertexPlace> place_of_vertex(int vertex, const PartialMap& map, co
     const auto start = std::min_element(landings.begin(), landings.end(), [&](const Landing& a, const Landing& b) {
         return (a.position - mean).squaredNorm() < (b.position - mean).squaredNorm();
     });
-    place.point = settle(target, start->point, mean);
+    place.point = walked_to(target, start->point, mean);
     place.position = position(target, place.point);
     return place;
 }
@@ -60,7 +55,7 @@ void put_between(const SurfacePoint& point, const std::array<VertexPlace, 3>& co
     const auto heaviest = std::max_element(point.weight.begin(), point.weight.end()) - point.weight.begin();
     // Corners torn apart do not average to anything.
     if ((mean - corner[heaviest].position).norm() > 2.0 * pair.source.samples.spacing) return;
-    const SurfacePoint image = settle(target, corner[heaviest].point, mean);
+    const SurfacePoint image = walked_to(target, corner[heaviest].point, mean);
     const Eigen::Vector3d x = position(target, image);
     Complex turn(0.0, 0.0);
     for (int k = 0; k < 3; ++k) {

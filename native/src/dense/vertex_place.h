@@ -27,9 +27,6 @@ struct VertexPlace {
 /// \param reach no mapped sample nearer than this: no place. In the pair's unit length.
 std::optional<VertexPlace> place_of_vertex(int vertex, const PartialMap& map, const Pair& pair, double reach);
 
-/// The point of the surface at `mean`, a mean of points on it, reached from `start`, one of those near it.
-SurfacePoint settle(const TriangleMesh& mesh, const SurfacePoint& start, const Eigen::Vector3d& mean);
-
 /// The same map on other samples of the same two meshes: each goes where the corners of its triangle go.
 /// \param from what `map` is on. \param to the same but for its samples.
 /// \return without the samples that have a corner farther than a spacing from all mapped ones; `seed_distance` is 0.

@@ -96,4 +96,9 @@ Trace trace(const TriangleMesh& mesh, const SurfacePoint& start, Complex directi
     return result;
 }
 
+SurfacePoint walked_to(const TriangleMesh& mesh, const SurfacePoint& start, const Eigen::Vector3d& x) {
+    const Complex step = flatten(mesh, start.face, x - position(mesh, start));
+    return std::abs(step) > 1e-12 ? trace(mesh, start, step, std::abs(step)).end : start;
+}
+
 }  // namespace isograft

@@ -22,6 +22,10 @@ struct Trace {
 /// O(triangles crossed). What growth carries directions along with (paper section 4.3).
 Trace trace(const TriangleMesh& mesh, const SurfacePoint& start, Complex direction, double length);
 
+/// The point of the surface at `x`, which lies near it, as a mean of points on it does, reached straight from `start`
+/// near `x`. The boundary is not crossed.
+SurfacePoint walked_to(const TriangleMesh& mesh, const SurfacePoint& start, const Eigen::Vector3d& x);
+
 /// A straight walk, triangle by triangle, for callers that sample along the way.
 ///
 /// In each triangle the edge that was entered through lies along the real axis. Directions turn from frame to frame and

@@ -48,7 +48,6 @@ class Relief {
         std::vector<int> near;
         std::vector<double> weight;
     };
-    [[nodiscard]] std::vector<int> samples_around(const PartialMap& map, int sample, double reach) const;
     [[nodiscard]] Surroundings surroundings(const PartialMap& map, int sample, const ReliefScale& scale) const;
     [[nodiscard]] int descend(int vertex, const Eigen::Vector3d& x) const;
 

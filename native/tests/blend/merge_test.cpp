@@ -39,6 +39,22 @@ TEST(Merge, GoesWithTheMajorityAndNotWithTheMean) {
     }
 }
 
+TEST(Merge, AnEdgeKeepsItsLengthToAThirdAndAFifthOfASpacing) {
+    const Samples& source = twins().pair().source.samples;
+    const SampleEdge& edge = source.edges[source.base_edges_of[3].front()];
+    const Eigen::Vector3d along = source.position[edge.v] - source.position[edge.u];
+    const double bearable = 0.35 * edge.length + 0.2 * source.spacing;
+    const auto keeps = [&](double change) {
+        const Eigen::Vector3d a(1.0, 2.0, 3.0);
+        return keeps_length(source, edge, a, a + (along.norm() + change) * along.normalized());
+    };
+    EXPECT_TRUE(keeps(0.0));
+    EXPECT_TRUE(keeps(0.99 * bearable));
+    EXPECT_TRUE(keeps(-0.99 * bearable));
+    EXPECT_FALSE(keeps(1.01 * bearable));
+    EXPECT_FALSE(keeps(-1.01 * bearable));
+}
+
 TEST(Merge, LeavesWhatIsThereAndHearsNobodyWithoutWeight) {
     const Patch wrong = made_patch(everywhere, at_the_other_end);
     PartialMap map = twins().true_map({3});

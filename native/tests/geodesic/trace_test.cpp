@@ -248,5 +248,16 @@ TEST(Transport, AroundTheTipOfAConeTurnsByWhatTheSectorLacks) {
     }
 }
 
+TEST(WalkedTo, IsThePointUnderOneNearTheSurface) {
+    const TriangleMesh mesh = shapes::mesh_of(shapes::grid(8, 8, 0.25, 0.25));
+    const SurfacePoint start = shapes::point_nearest(mesh, {0.3, 0.4, 0.0});
+    const Eigen::Vector3d above(1.2, 0.9, 0.05);
+    EXPECT_LT((position(mesh, walked_to(mesh, start, above)) - Eigen::Vector3d(1.2, 0.9, 0.0)).norm(), 1e-6);
+    EXPECT_LT((position(mesh, walked_to(mesh, start, position(mesh, start))) - position(mesh, start)).norm(), 1e-12);
+    // Not across the boundary: along the straight way to it.
+    const Eigen::Vector3d end = position(mesh, walked_to(mesh, start, {-0.3, 0.4, 0.0}));
+    EXPECT_LT((end - Eigen::Vector3d(0.0, 0.4, 0.0)).norm(), 1e-5);
+}
+
 }  // namespace
 }  // namespace isograft
