@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -71,21 +70,31 @@ class Registration {
         return judge(points, sample, *motion, found);
     }
 
-    [[nodiscard]] bool faces_as(int sample, int other) const { return normal(sample).dot(normal(other)) > 0.0; }
+    // Whether `other` is mapped and may move the sample across a gap.
+    [[nodiscard]] bool moves_across(const PartialMap& map, int other, int sample) const {
+        return map.mapped[other] != 0 && distance(other, sample) <= widest_gap &&
+               normal(sample).dot(normal(other)) > 0.0;
+    }
 
   private:
     struct Point {
         Vector3d position, normal;
         double weight;
     };
-    // Of a point from T.
+    // Of a point, moved to `x`, from T.
     struct Gap {
+        Vector3d x;
         int vertex;
         double height, beside, cosine;
     };
 
     [[nodiscard]] const Vector3d& normal(int sample) const {
         return pair_.source.mesh.normal[pair_.source.samples.point[sample].face];
+    }
+
+    [[nodiscard]] double distance(int sample, int other) const {
+        const Samples& source = pair_.source.samples;
+        return (source.position[sample] - source.position[other]).norm();
     }
 
     [[nodiscard]] double weight(const Vector3d& x, int sample) const {
@@ -103,9 +112,10 @@ class Registration {
         if (known.size() < fewest_known) {
             std::vector<std::pair<double, int>> across;
             for (int s = 0; s < source.count(); ++s) {
-                const double apart = (source.position[s] - source.position[sample]).norm();
-                if (!map.mapped[s] || apart > widest_gap || !faces_as(sample, s)) continue;
-                if (std::find(known.begin(), known.end(), s) == known.end()) across.emplace_back(apart, s);
+                if (!moves_across(map, s, sample)) continue;
+                if (std::find(known.begin(), known.end(), s) == known.end()) {
+                    across.emplace_back(distance(s, sample), s);
+                }
             }
             std::sort(across.begin(), across.end());
             if (across.size() > most_across) across.resize(most_across);
@@ -140,7 +150,7 @@ class Registration {
         const Vector3d& plane = mesh.vertex_normal[vertex];
         const Vector3d gap = mesh.position[vertex] - x;
         const double height = gap.dot(plane);
-        return {vertex, height, (gap - height * plane).norm(), plane.dot(motion.turn * point.normal)};
+        return {x, vertex, height, (gap - height * plane).norm(), plane.dot(motion.turn * point.normal)};
     }
 
     [[nodiscard]] bool lay(const std::vector<Point>& points, int sample, RigidMotion& motion, Scratch& found) const {
@@ -151,7 +161,7 @@ class Registration {
                 const Gap gap = gap_of(point, motion, found);
                 if (std::hypot(gap.height, gap.beside) > far || gap.cosine < same_side) continue;
                 const double trust = 1.0 / (1.0 + gap.height * gap.height / (soft * soft));
-                step.add(motion(point.position), mesh.vertex_normal[gap.vertex], gap.height, point.weight * trust);
+                step.add(gap.x, mesh.vertex_normal[gap.vertex], gap.height, point.weight * trust);
             }
             if (step.points() == 0 || !step.apply(motion)) return false;
         }
@@ -227,8 +237,7 @@ class Front {
         const Samples& source = pair_.source.samples;
         int near = 0;
         for (int s = 0; s < source.count() && near < fewest_known; ++s) {
-            const bool reached = (source.position[s] - source.position[sample]).norm() <= widest_gap;
-            near += map.mapped[s] && reached && registration.faces_as(sample, s) ? 1 : 0;
+            near += registration.moves_across(map, s, sample) ? 1 : 0;
         }
         return near == fewest_known;
     }
@@ -270,9 +279,10 @@ int extend_by_registration(PartialMap& map, const Pair& pair, std::vector<double
         parallel_for(
             static_cast<int>(samples.size()), threads,
             [&](int i, int worker) { placed[i] = registration.place(map, samples[i], found[worker]); }, monitor);
-        std::vector<int> order(samples.size());
-        std::iota(order.begin(), order.end(), 0);
-        order.erase(std::remove_if(order.begin(), order.end(), [&](int i) { return !placed[i]; }), order.end());
+        std::vector<int> order;
+        for (std::size_t i = 0; i < placed.size(); ++i) {
+            if (placed[i]) order.push_back(static_cast<int>(i));
+        }
         std::stable_sort(order.begin(), order.end(),
                          [&](int a, int b) { return placed[a]->height < placed[b]->height; });
         const int count = map.count;
