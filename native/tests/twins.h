@@ -25,6 +25,8 @@ class Twins {
     [[nodiscard]] PatchSettings settings() const;
     [[nodiscard]] double spacing() const { return pair().source.samples.spacing; }
 
+    /// What turned the target.
+    [[nodiscard]] const Eigen::Matrix3d& turn() const { return turn_; }
     /// Where a place on the source's mesh belongs on the target's.
     [[nodiscard]] Eigen::Vector3d truth(const Eigen::Vector3d& x) const;
     /// The target's nearest surface point to that of a source sample, and how the frames turn.

@@ -23,6 +23,8 @@ namespace {
 // reach 0.4 and 0.75.
 constexpr double most_mismatch = 0.6;
 constexpr double least_curvature = 0.35;
+// Of the best score: what reaches it is extended carefully too, which has made the best of one at three fifths of it.
+constexpr double worth_extending = 0.5;
 
 bool fits(const MapQuality& quality) {
     return quality.mismatch <= most_mismatch && quality.curvature >= least_curvature;
@@ -91,19 +93,20 @@ bool settled(const std::vector<Contender>& contenders, const BlendOptions& optio
            std::max(contenders[0].score, contenders[1].score) >= options.content;
 }
 
-// The best contender, then those that contradict it and each other and nearly reach it, by falling score.
+// The best contender, then those that contradict it and each other and may yet be worth more, by falling score.
 std::vector<std::size_t> rank(const std::vector<Contender>& contenders, const BlendOptions& options) {
     std::vector<std::size_t> order(contenders.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::stable_sort(order.begin(), order.end(),
                      [&](std::size_t a, std::size_t b) { return contenders[a].score > contenders[b].score; });
+    const double enough = std::min(worth_extending, options.alternative);
     std::vector<std::size_t> ranked;
     for (const std::size_t i : order) {
         const bool another = std::all_of(ranked.begin(), ranked.end(), [&](std::size_t k) {
             const auto share = agreement(contenders[k].free, contenders[i].free, options.agreement_radius);
             return share && *share < 0.4;
         });
-        const bool near = ranked.empty() || contenders[i].score > options.alternative * contenders[ranked[0]].score;
+        const bool near = ranked.empty() || contenders[i].score > enough * contenders[ranked[0]].score;
         if (another && near && contenders[i].believable()) ranked.push_back(i);
         if (ranked.empty()) break;
     }
@@ -184,8 +187,9 @@ std::vector<Blended> blend(const Pair& pair, const PatchSettings& settings, cons
             result[i] = {completion.map(), completion.doubts(), cores[ranked[i]].count, fit};
         },
         monitor, "blend", middle, middle);
-    // What they were chosen by was measured before the careful extension, which may turn two that are near each other.
+    // What they were ranked by was measured before the careful extension, which may turn them round.
     std::stable_sort(result.begin(), result.end(), [](const Blended& a, const Blended& b) { return a.fit > b.fit; });
+    while (result.size() > 1 && result.back().fit <= settings.blend.alternative * result.front().fit) result.pop_back();
     monitor.report("blend", to);
     if (ranked.empty()) {
         result[0].map = PartialMap(pair.source.samples.count());

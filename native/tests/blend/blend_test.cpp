@@ -2,6 +2,7 @@
 #include "blend/blend.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -96,6 +97,83 @@ TEST(Blend, ChoosesTheRightCoreWhereverItStands) {
         EXPECT_EQ(answers.front().maps_in_core, grown().right.count);
         for (std::size_t i = 1; i < answers.size(); ++i) EXPECT_LE(answers[i].fit, answers[i - 1].fit);
     }
+}
+
+/// A body that half a turn about z nearly maps onto itself, and the patches of both maps.
+struct TwoWays {
+    Twins twins{shape()};
+    std::vector<Patch> patches;
+    std::vector<Core> cores{2};
+
+    TwoWays() {
+        const Samples& samples = twins.pair().source.samples;
+        std::vector<OrientedMatch> straight, turned;
+        for (int s = 0; s < samples.count(); s += 8) {
+            const Eigen::Vector3d x = samples.position[s];
+            int across = 0;
+            for (int other = 0; other < samples.count(); ++other) {
+                const auto away = [&](int k) { return (samples.position[k] - half_turn() * x).norm(); };
+                if (away(other) < away(across)) across = other;
+            }
+            straight.push_back(twins.true_match(s));
+            turned.push_back(twins.true_match(across));
+            turned.back().sample = s;
+            const TriangleMesh& target = twins.pair().target.mesh;
+            const Eigen::Vector3d axis =
+                twins.turn() * half_turn() * twins.pair().source.mesh.axis_x[samples.point[s].face];
+            turned.back().rotation = unit(flatten(target, turned.back().point.face, axis));
+        }
+        Monitor monitor;
+        for (const auto* matches : {&straight, &turned}) {
+            const auto grown = grow_patches(twins.pair(), settings(0.0), *matches, 0, monitor, 0.0, 1.0);
+            patches.insert(patches.end(), grown.begin(), grown.end());
+            Core& core = cores[matches == &straight ? 0 : 1];
+            core.count = static_cast<int>(grown.size());
+            core.member.assign(patches.size(), 1);
+            if (matches == &turned) std::fill_n(core.member.begin(), patches.size() - grown.size(), char{0});
+        }
+        cores[0].member.resize(patches.size(), 0);
+    }
+
+    [[nodiscard]] PatchSettings settings(double alternative) const {
+        PatchSettings settings = few(2);
+        const PatchSettings own = twins.settings();
+        settings.feature = own.feature;
+        settings.blend.alternative = alternative;
+        return settings;
+    }
+
+    [[nodiscard]] std::vector<Blended> blended(double alternative) const {
+        Monitor monitor;
+        return blend(twins.pair(), settings(alternative), patches, cores, monitor, 0.0, 0.6, 1.0);
+    }
+
+    static Eigen::Matrix3d half_turn() { return Eigen::Vector3d(-1.0, -1.0, 1.0).asDiagonal(); }
+
+    static shapes::Shape shape() {
+        shapes::Shape shape = shapes::sphere(4);
+        for (Eigen::Index v = 0; v < shape.vertices.rows(); ++v) {
+            const Eigen::Vector3d p = shape.vertices.row(v);
+            const double even = 0.25 * p.x() * p.x() - 0.3 * p.x() * p.y() + 0.15 * std::sin(3.0 * p.z() + 1.0) +
+                                0.1 * std::cos(4.0 * p.x() * p.y() + p.z());
+            const double odd = 0.06 * std::sin(3.0 * p.x() + p.y());
+            shape.vertices.row(v) *= 1.0 + even + odd;
+        }
+        return shape;
+    }
+};
+
+TEST(Blend, KeepsAlternativesThatAreWorthTheShareOfTheBestAskedFor) {
+    const TwoWays two;
+    const auto all = two.blended(0.0);
+    ASSERT_EQ(all.size(), 2U);
+    const double share = all[1].fit / all[0].fit;
+    ASSERT_LT(share, 1.0);
+    EXPECT_EQ(two.blended(0.99 * share).size(), 2U);
+    EXPECT_EQ(two.blended(1.0).size(), 1U);
+    const auto best = two.blended(std::min(1.0, 1.01 * share));
+    ASSERT_EQ(best.size(), 1U);
+    EXPECT_EQ(best[0].map.position, all[0].map.position);
 }
 
 TEST(Blend, OfNoCoreIsAnEmptyMap) {

@@ -27,7 +27,7 @@ struct BlendOptions {
     double accept = 0.5;
     /// Rounds of careful extension with second passes before the last one.
     int careful_rounds = 3;
-    /// A map that contradicts the best is kept as an alternative if it scores more than this share of it.
+    /// A map that contradicts the best is kept as an alternative if it is worth more than this share of it.
     double alternative = 0.75;
     /// Whole searches, each from other samples and with the best map so far as one core more, while that map is worth
     /// less than `content`.
