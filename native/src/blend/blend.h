@@ -23,8 +23,8 @@ struct Blended {
 /// \param cores those of find_cores(), the strongest first.
 /// \param middle progress when the cores are complete.
 /// \return the chosen map, empty where even the best core fits the surfaces no better than chance; after it those that
-/// contradict it and are worth nearly as much, by falling fit: the surfaces map onto themselves, and it is open which of
-/// them is meant. \throw Cancelled if `monitor` asks for it.
+/// contradict it and are worth nearly as much, by falling fit: the surfaces map onto themselves, and it is open which
+/// of them is meant. \throw Cancelled if `monitor` asks for it.
 std::vector<Blended> blend(const Pair& pair, const PatchSettings& settings, const std::vector<Patch>& patches,
                            const std::vector<Core>& cores, Monitor& monitor, double from, double middle, double to);
 

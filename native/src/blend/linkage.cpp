@@ -85,7 +85,7 @@ Clusters graph_degree_linkage(const Eigen::MatrixXd& distance, const LinkageOpti
     }
     std::vector<char> alive(n, 1);
     for (;;) {
-        double most = options.threshold;
+        double most = std::max(options.threshold, least_affinity);
         int a = -1, b = -1;
         for (int i = 0; i < n; ++i) {
             if (!alive[i]) continue;

@@ -7,11 +7,16 @@
 
 namespace isograft {
 
+/// An affinity below this is none. Where clusters are large, chance edges leave a little of it between any two, and
+/// with q = 0 as printed all maps come to be joined: of 199 maps of samba 139, the 29 that were right with 110 others,
+/// in steps of 0.0012 and less, depending on rounding. 27 of the right ones came together above.
+constexpr double least_affinity = 0.003;
+
 /// Options of graph_degree_linkage().
 struct LinkageOptions {
     /// Each item is joined with so many nearest others.
     int neighbours = 8;
-    /// q: clusters are joined while the largest affinity of two is above it.
+    /// q: clusters are joined while the largest affinity of two is above it and `least_affinity`.
     double threshold = 1.0;
 };
 
@@ -37,7 +42,7 @@ double affinity(const Eigen::MatrixXd& weight, const std::vector<int>& a, const 
 /// Agglomerative clustering by graph degree linkage (Zhang, Wang, Zhao, Tang 2012; paper section 4.4).
 ///
 /// Starts from single items and joins the two clusters of the largest affinity, ties by the lowest indices, until none
-/// is above the threshold. O(items^2) per join over the clusters' blocks.
+/// is above the threshold and `least_affinity`. O(items^2) per join over the clusters' blocks.
 Clusters graph_degree_linkage(const Eigen::MatrixXd& distance, const LinkageOptions& options);
 
 /// The clusters by affinity times area, the largest first; where that is equal the larger area, then the lower index.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -86,6 +87,18 @@ TEST(GraphDegreeLinkage, WithThresholdZeroJoinsAllThatIsConnected) {
     EXPECT_EQ(graph_degree_linkage(distance, {20, 0.0}).members.size(), 1U);
     distance = groups({3, 4}, 0.1, infinity);
     EXPECT_EQ(graph_degree_linkage(distance, {20, 0.0}).members.size(), 2U);
+}
+
+TEST(GraphDegreeLinkage, WithThresholdZeroStillPartsWhatHardlyTouches) {
+    // One item of each group has one of the other among its nearest.
+    Eigen::MatrixXd distance = groups({9, 9}, 0.1, 5.0);
+    for (const auto& [i, j] : {std::pair{0, 1}, std::pair{9, 10}}) distance(i, j) = distance(j, i) = 0.4;
+    distance(0, 9) = distance(9, 0) = 0.2;
+    const double between = affinity(neighbour_weights(distance, 8), {0}, {9});
+    ASSERT_GT(between, least_affinity);
+    const Clusters clusters = graph_degree_linkage(distance, {8, 0.0});
+    ASSERT_EQ(clusters.members.size(), 2U);
+    EXPECT_EQ(clusters.members[0], (std::vector<int>{0, 1, 2, 3, 4, 5, 6, 7, 8}));
 }
 
 TEST(GraphDegreeLinkage, AHigherThresholdNeverMakesFewerClusters) {
