@@ -16,7 +16,7 @@ namespace isograft {
 class Monitor {
   public:
     /// Called with the stage's name and the fraction done in [0, 1], rising within the whole call and ending at 1;
-    /// about ten times a second, also while the fraction stays. Returning false asks for cancellation.
+    /// about twenty times a second, also while the fraction stays. Returning false asks for cancellation.
     using Callback = std::function<bool(const std::string& stage, double fraction)>;
 
     Monitor() = default;

@@ -8,7 +8,7 @@
 namespace isograft {
 
 namespace {
-constexpr std::chrono::milliseconds usual_silence{100};
+constexpr std::chrono::milliseconds usual_silence{50};
 }  // namespace
 
 void Monitor::check() {

@@ -20,7 +20,7 @@ int worker_count(int requested) {
 
 namespace {
 
-constexpr std::chrono::milliseconds patience{100};
+constexpr std::chrono::milliseconds patience{50};
 
 struct Failure {
     std::mutex mutex;

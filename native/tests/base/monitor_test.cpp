@@ -86,7 +86,7 @@ TEST(Monitor, TellsTheReportingThreadWhatOthersAdd) {
     other.join();
     EXPECT_EQ(seen.size(), 1U);
     EXPECT_NEAR(monitor.fraction(), 0.5, 1e-12);
-    std::this_thread::sleep_for(std::chrono::milliseconds(110));
+    std::this_thread::sleep_for(std::chrono::milliseconds(60));
     monitor.check();
     ASSERT_EQ(seen.size(), 2U);
     EXPECT_NEAR(seen.back(), 0.5, 1e-12);
@@ -111,7 +111,7 @@ TEST(Monitor, IsCancelledFromACheckWhoseCallbackReturnsFalse) {
     int calls = 0;
     Monitor monitor([&](const std::string&, double) { return ++calls < 2; });
     monitor.report("stage", 0.1);
-    std::this_thread::sleep_for(std::chrono::milliseconds(110));
+    std::this_thread::sleep_for(std::chrono::milliseconds(60));
     EXPECT_THROW(monitor.check(), Cancelled);
     EXPECT_TRUE(monitor.cancelled());
 }
