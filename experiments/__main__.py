@@ -62,9 +62,9 @@ def run(experiment: Experiment, given: argparse.Namespace, settings: Settings) -
             print(f"{experiment.name} {pair.name} {method}: {told}", flush=True)
             if "curve" in row:
                 rows.append(row)
-    if rows:
+    if rows and experiment.drawn:
         curves(experiment.title, rows, figures / f"{experiment.name}_curve.png")
-    if not given.no_pictures and can_render():
+    if experiment.drawn and not given.no_pictures and can_render():
         for pair in pairs:
             picture = figures / f"{pair.name}.jpg"
             newest = max(

@@ -52,6 +52,8 @@ class Experiment:
     turn: float = 0.0
     #: Pairs that are shown otherwise: direction and turn.
     other_views: dict[str, tuple[str, float]] = field(default_factory=dict)
+    #: With curves and pictures.
+    drawn: bool = True
 
     def limit(self, pair: str) -> int:
         """Vertices of the largest mesh that preset paper works on."""
@@ -91,6 +93,31 @@ def _clouds(data: Path) -> list[Pair]:
     """Three clouds with the radii for noisy surfaces, and the last again with those for clean ones."""
     pairs = _of_data("pc_faust_020_025", "pc_cat0_cat5", "pc_faust_033_037")(data)
     return [*pairs, Pair(f"{pairs[-1].name}_clean_radii", pairs[-1].case, options=CLEAN_RADII)]
+
+
+#: Pairs of the experiments with own features, and what these set besides the threshold of 1.
+POSITIONED: dict[str, dict[str, Any]] = {
+    "anim_samba_mesh_0000__mesh_0080": {"paper_threshold": 0.0},
+    "scape_000_005": {"paper_threshold": 1.9},
+    "topo_020_028": NOISY,
+    "facescan_s101": {},
+    "face_ict_s101_neutral_jawopen": {},
+    "pc_faust_020_025": NOISY,
+    "pc_cat0_cat5": NOISY,
+    "pc_faust_033_037": NOISY,
+}
+POSITIONS = 2
+
+
+def _positions(data: Path) -> list[Pair]:
+    """Each in other positions of both surfaces, which change nothing but rounding."""
+    with (data / "pairs.csv").open(newline="", encoding="utf-8") as file:
+        listed = {row["id"]: row for row in csv.DictReader(file)}
+    return [
+        Pair(f"{name}_{k}", read_case(data, listed[name], rotation=k), options=options)
+        for name, options in POSITIONED.items()
+        for k in range(1, POSITIONS + 1)
+    ]
 
 
 def _full_size(data: Path) -> list[Pair]:
@@ -230,5 +257,18 @@ EXPERIMENTS = [
         {**CLEAN, "paper_threshold": 1.9},
         vertices=10000,
         up="x",
+    ),
+    Experiment(
+        "positions",
+        "The same pairs in two other positions each",
+        [],
+        _positions,
+        {**CLEAN, "paper_threshold": 1.0},
+        other_vertices={
+            f"{name}_{k}": size
+            for name, size in (("anim_samba_mesh_0000__mesh_0080", 2500), ("pc_faust_020_025", 10000))
+            for k in range(1, POSITIONS + 1)
+        },
+        drawn=False,
     ),
 ]

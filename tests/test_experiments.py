@@ -16,7 +16,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 from experiments import run, shapes  # noqa: E402
-from experiments.catalogue import CLEAN_RADII, EXPERIMENTS, NOISY, Experiment, Pair  # noqa: E402
+from experiments.catalogue import CLEAN_RADII, EXPERIMENTS, NOISY, POSITIONED, Experiment, Pair  # noqa: E402
 from experiments.page import write_page  # noqa: E402
 from experiments.run import Settings, StageClock, run_pair  # noqa: E402
 
@@ -35,6 +35,8 @@ def test_only_what_the_paper_varies_is_varied_and_to_the_values_it_prints() -> N
     assert set(q.values()) == {1.0}
     printed = {*NOISY, "paper_threshold"}
     others = {e.name: set(e.options) - printed for e in EXPERIMENTS if set(e.options) - printed}
+    assert all(set(options) <= printed for options in POSITIONED.values())
+    assert {options.get("paper_threshold", 1.0) for options in POSITIONED.values()} == {0.0, 1.0, 1.9}
     # Two given correspondences, and the reach of N1, which the paper does not print.
     assert others == {"planes": {"seed_landmarks_only", "paper_near"}}
 
