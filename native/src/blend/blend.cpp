@@ -78,6 +78,12 @@ bool alike(const Contender& a, const Contender& b, double radius) {
     return share && *share > 0.6;
 }
 
+// Whether two maps put what they share in different places.
+bool contradict(const PartialMap& a, const PartialMap& b, double radius) {
+    const auto share = agreement(a, b, radius);
+    return share && *share < 0.4;
+}
+
 // Cores share no patch, so another one that leads to much the same map is a second opinion on the rest of it.
 std::vector<PartialMap> witnesses(const std::vector<Contender>& contenders, std::size_t chosen, double radius) {
     std::vector<PartialMap> result;
@@ -103,14 +109,34 @@ std::vector<std::size_t> rank(const std::vector<Contender>& contenders, const Bl
     std::vector<std::size_t> ranked;
     for (const std::size_t i : order) {
         const bool another = std::all_of(ranked.begin(), ranked.end(), [&](std::size_t k) {
-            const auto share = agreement(contenders[k].free, contenders[i].free, options.agreement_radius);
-            return share && *share < 0.4;
+            return contradict(contenders[k].free, contenders[i].free, options.agreement_radius);
         });
         const bool near = ranked.empty() || contenders[i].score > enough * contenders[ranked[0]].score;
         if (another && near && contenders[i].believable()) ranked.push_back(i);
         if (ranked.empty()) break;
     }
     return ranked;
+}
+
+// What they were ranked by was measured before the careful extension, which may turn them round.
+void sort_by_worth(std::vector<std::size_t>& ranked, const std::vector<Contender>& contenders) {
+    std::vector<double> worth(contenders.size(), 0.0);
+    for (const std::size_t i : ranked) worth[i] = contenders[i].completion->worth();
+    std::stable_sort(ranked.begin(), ranked.end(), [&](std::size_t a, std::size_t b) { return worth[a] > worth[b]; });
+}
+
+// The best, then those that nearly reach it and, as they are now, contradict it and each other, by falling fit.
+std::vector<Blended> still_alternatives(std::vector<Blended> all, const BlendOptions& options) {
+    std::stable_sort(all.begin(), all.end(), [](const Blended& a, const Blended& b) { return a.fit > b.fit; });
+    std::vector<Blended> result;
+    for (Blended& candidate : all) {
+        const bool near = result.empty() || candidate.fit > options.alternative * result.front().fit;
+        const bool another = std::all_of(result.begin(), result.end(), [&](const Blended& other) {
+            return contradict(other.map, candidate.map, options.agreement_radius);
+        });
+        if (near && another) result.push_back(std::move(candidate));
+    }
+    return result;
 }
 
 }  // namespace
@@ -157,7 +183,7 @@ std::vector<Blended> blend(const Pair& pair, const PatchSettings& settings, cons
         }
     }
     monitor.report("blend", middle);
-    const std::vector<std::size_t> ranked = rank(contenders, settings.blend);
+    std::vector<std::size_t> ranked = rank(contenders, settings.blend);
     std::vector<Blended> result(std::max<std::size_t>(1, ranked.size()));
     // Contests take nothing or as much again, and more where a map is bad.
     const double extending = 0.5 * (to - middle);
@@ -173,6 +199,7 @@ std::vector<Blended> blend(const Pair& pair, const PatchSettings& settings, cons
                                         Piece(monitor, extending / static_cast<double>(ranked.size())));
         },
         monitor, "blend", middle, middle);
+    if (ranked.size() > 1) sort_by_worth(ranked, contenders);
     if (!ranked.empty()) {
         std::unique_ptr<Completion>& first = contenders[ranked[0]].completion;
         first = contest(std::move(first), pair, settings, Piece(monitor, to - middle - extending));
@@ -187,9 +214,7 @@ std::vector<Blended> blend(const Pair& pair, const PatchSettings& settings, cons
             result[i] = {completion.map(), completion.doubts(), cores[ranked[i]].count, fit};
         },
         monitor, "blend", middle, middle);
-    // What they were ranked by was measured before the careful extension, which may turn them round.
-    std::stable_sort(result.begin(), result.end(), [](const Blended& a, const Blended& b) { return a.fit > b.fit; });
-    while (result.size() > 1 && result.back().fit <= settings.blend.alternative * result.front().fit) result.pop_back();
+    result = still_alternatives(std::move(result), settings.blend);
     monitor.report("blend", to);
     if (ranked.empty()) {
         result[0].map = PartialMap(pair.source.samples.count());
