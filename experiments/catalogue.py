@@ -52,7 +52,7 @@ class Experiment:
     turn: float = 0.0
     #: Pairs that are shown otherwise: direction and turn.
     other_views: dict[str, tuple[str, float]] = field(default_factory=dict)
-    #: With curves and pictures.
+    #: With curves and pictures, and in the table of times.
     drawn: bool = True
 
     def limit(self, pair: str) -> int:
@@ -95,7 +95,7 @@ def _clouds(data: Path) -> list[Pair]:
     return [*pairs, Pair(f"{pairs[-1].name}_clean_radii", pairs[-1].case, options=CLEAN_RADII)]
 
 
-#: Pairs of the experiments with own features, and what these set besides the threshold of 1.
+#: Pairs of the data, and what their experiments set in place of the clean radii and a threshold of 1.
 POSITIONED: dict[str, dict[str, Any]] = {
     "anim_samba_mesh_0000__mesh_0080": {"paper_threshold": 0.0},
     "scape_000_005": {"paper_threshold": 1.9},
@@ -260,7 +260,7 @@ EXPERIMENTS = [
     ),
     Experiment(
         "positions",
-        "The same pairs in two other positions each",
+        "Pairs of the data in two other positions each",
         [],
         _positions,
         {**CLEAN, "paper_threshold": 1.0},

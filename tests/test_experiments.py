@@ -35,10 +35,28 @@ def test_only_what_the_paper_varies_is_varied_and_to_the_values_it_prints() -> N
     assert set(q.values()) == {1.0}
     printed = {*NOISY, "paper_threshold"}
     others = {e.name: set(e.options) - printed for e in EXPERIMENTS if set(e.options) - printed}
-    assert all(set(options) <= printed for options in POSITIONED.values())
-    assert {options.get("paper_threshold", 1.0) for options in POSITIONED.values()} == {0.0, 1.0, 1.9}
     # Two given correspondences, and the reach of N1, which the paper does not print.
     assert others == {"planes": {"seed_landmarks_only", "paper_near"}}
+
+
+def test_pairs_in_other_positions_are_run_as_their_experiments_run_them() -> None:
+    experiment_of = {
+        "anim_samba_mesh_0000__mesh_0080": "samba",
+        "scape_000_005": "scape",
+        "topo_020_028": "contacts",
+        "facescan_s101": "faces",
+        "face_ict_s101_neutral_jawopen": "faces",
+        "pc_faust_020_025": "clouds",
+        "pc_cat0_cat5": "clouds",
+        "pc_faust_033_037": "clouds",
+    }
+    assert set(experiment_of) == set(POSITIONED)
+    positions = BY_NAME["positions"]
+    assert not positions.drawn
+    for pair, name in experiment_of.items():
+        set_there = isograft.preset_options("paper") | BY_NAME[name].options
+        assert isograft.preset_options("paper") | positions.options | POSITIONED[pair] == set_there, pair
+        assert positions.limit(f"{pair}_1") == positions.limit(f"{pair}_2") == BY_NAME[name].limit(pair), pair
 
 
 def test_one_experiment_runs_at_the_limit_of_the_preset_itself() -> None:

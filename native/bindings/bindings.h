@@ -27,7 +27,7 @@ void bind_geodesic(py::module_& m);
 ///
 /// The calling thread alone touches Python: with the interpreter's lock released it waits for the work, and
 /// at every report, at the latest every 50 ms, takes the lock to look for signals (Ctrl-C) and to call
-/// `progress(stage, fraction)`. The last report is repeated at least every 100 ms, so that a caller can cancel
+/// `progress(stage, fraction)`. The last report is repeated at least every 50 ms, so that a caller can cancel
 /// or draw while one stage is long.
 /// \param progress None or a callable; returning False cancels.
 /// \throw Cancelled if the callable returned False; whatever the callable or a signal handler raised, once the

@@ -19,7 +19,7 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr milliseconds signal_period{50};
-constexpr milliseconds repeat_period{100};
+constexpr milliseconds repeat_period{50};
 
 struct Progress {
     std::string stage;

@@ -173,7 +173,7 @@ void warn_of_answers(const std::vector<Blended>& answers, MatchReport& report) {
     for (std::size_t i = 1; i < answers.size(); ++i) {
         std::ostringstream text;
         text.precision(2);
-        text << "alternative " << i << " contradicts the best map and scores "
+        text << "alternative " << i << " contradicts the best map and is worth "
              << answers[i].fit / std::max(1e-9, answers[0].fit)
              << " of it: the surfaces may map onto themselves; compare both, or give a landmark";
         report.warnings.push_back(text.str());

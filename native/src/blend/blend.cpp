@@ -37,6 +37,8 @@ struct Contender {
     MapQuality quality;
     Heed heed;
     double score = -1.0;
+    /// After the careful extension.
+    double worth = 0.0;
 
     // Landmarks outweigh what the surfaces say: a plane has no shape that could fit.
     [[nodiscard]] bool believable() const { return fits(quality) || heed.vouched(); }
@@ -118,13 +120,6 @@ std::vector<std::size_t> rank(const std::vector<Contender>& contenders, const Bl
     return ranked;
 }
 
-// What they were ranked by was measured before the careful extension, which may turn them round.
-void sort_by_worth(std::vector<std::size_t>& ranked, const std::vector<Contender>& contenders) {
-    std::vector<double> worth(contenders.size(), 0.0);
-    for (const std::size_t i : ranked) worth[i] = contenders[i].completion->worth();
-    std::stable_sort(ranked.begin(), ranked.end(), [&](std::size_t a, std::size_t b) { return worth[a] > worth[b]; });
-}
-
 // The best, then those that nearly reach it and, as they are now, contradict it and each other, by falling fit.
 std::vector<Blended> still_alternatives(std::vector<Blended> all, const BlendOptions& options) {
     std::stable_sort(all.begin(), all.end(), [](const Blended& a, const Blended& b) { return a.fit > b.fit; });
@@ -185,6 +180,7 @@ std::vector<Blended> blend(const Pair& pair, const PatchSettings& settings, cons
     monitor.report("blend", middle);
     std::vector<std::size_t> ranked = rank(contenders, settings.blend);
     std::vector<Blended> result(std::max<std::size_t>(1, ranked.size()));
+    const int share = std::max(1, threads / std::max(1, static_cast<int>(ranked.size())));
     // Contests take nothing or as much again, and more where a map is bad.
     const double extending = 0.5 * (to - middle);
     parallel_for(
@@ -192,23 +188,30 @@ std::vector<Blended> blend(const Pair& pair, const PatchSettings& settings, cons
         [&](int i, int /*worker*/) {
             Contender& chosen = contenders[ranked[i]];
             Completion& completion = *chosen.completion;
-            completion.take_threads(std::max(1, threads / static_cast<int>(ranked.size())));
+            completion.take_threads(share);
             completion.hear(witnesses(contenders, ranked[i], settings.blend.agreement_radius));
             completion.map() = chosen.careful;
             completion.extend_carefully(settings.blend.careful_rounds,
                                         Piece(monitor, extending / static_cast<double>(ranked.size())));
+            chosen.worth = completion.worth();
         },
         monitor, "blend", middle, middle);
-    if (ranked.size() > 1) sort_by_worth(ranked, contenders);
+    // What they were ranked by was measured before the careful extension, which may turn them round.
+    std::stable_sort(ranked.begin(), ranked.end(),
+                     [&](std::size_t a, std::size_t b) { return contenders[a].worth > contenders[b].worth; });
     if (!ranked.empty()) {
         std::unique_ptr<Completion>& first = contenders[ranked[0]].completion;
+        first->take_threads(threads);
         first = contest(std::move(first), pair, settings, Piece(monitor, to - middle - extending));
     }
     parallel_for(
         static_cast<int>(ranked.size()), settings.threads,
         [&](int i, int /*worker*/) {
-            Completion& completion = *contenders[ranked[i]].completion;
-            const double fit = completion.worth();
+            Contender& chosen = contenders[ranked[i]];
+            Completion& completion = *chosen.completion;
+            completion.take_threads(share);
+            // Only what is contested is held to account for what it doubles, if there is ground for a contest.
+            const double fit = i == 0 ? completion.worth() : chosen.worth;
             fill_pockets(completion.map(), pair, completion.threads(), monitor);
             completion.place_anchors();
             result[i] = {completion.map(), completion.doubts(), cores[ranked[i]].count, fit};

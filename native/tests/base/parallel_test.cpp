@@ -135,7 +135,7 @@ TEST(ParallelFor, TellsTheProgressOfOthersWhileTheCallerHasNothingLeftToDo) {
         }
         taken = true;
         for (int k = 0; k < 4; ++k) {
-            std::this_thread::sleep_for(std::chrono::milliseconds(110));
+            std::this_thread::sleep_for(std::chrono::milliseconds(60));
             monitor.add(0.1);
         }
     };

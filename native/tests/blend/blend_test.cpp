@@ -125,7 +125,7 @@ struct TwoWays {
         }
         Monitor monitor;
         for (const auto* matches : {&straight, &turned}) {
-            const auto grown = grow_patches(twins.pair(), settings(0.0), *matches, 0, monitor, 0.0, 1.0);
+            const auto grown = grow_patches(twins.pair(), settings(0.0, 2), *matches, 0, monitor, 0.0, 1.0);
             patches.insert(patches.end(), grown.begin(), grown.end());
             Core& core = cores[matches == &straight ? 0 : 1];
             core.count = static_cast<int>(grown.size());
@@ -135,17 +135,16 @@ struct TwoWays {
         cores[0].member.resize(patches.size(), 0);
     }
 
-    [[nodiscard]] PatchSettings settings(double alternative) const {
-        PatchSettings settings = few(2);
-        const PatchSettings own = twins.settings();
-        settings.feature = own.feature;
+    static PatchSettings settings(double alternative, int threads) {
+        PatchSettings settings = few(threads);
         settings.blend.alternative = alternative;
         return settings;
     }
 
-    [[nodiscard]] std::vector<Blended> blended(double alternative) const {
+    [[nodiscard]] std::vector<Blended> blended(double alternative, const std::vector<Core>& some,
+                                               int threads = 2) const {
         Monitor monitor;
-        return blend(twins.pair(), settings(alternative), patches, cores, monitor, 0.0, 0.6, 1.0);
+        return blend(twins.pair(), settings(alternative, threads), patches, some, monitor, 0.0, 0.6, 1.0);
     }
 
     static Eigen::Matrix3d half_turn() { return Eigen::Vector3d(-1.0, -1.0, 1.0).asDiagonal(); }
@@ -163,15 +162,47 @@ struct TwoWays {
     }
 };
 
+const TwoWays& two_ways() {
+    static const TwoWays once;
+    return once;
+}
+
+TEST(Blend, TellsTheSameMapFromTwoCoresOnce) {
+    Core even = two_ways().cores[0];
+    Core odd = even;
+    int k = 0;
+    for (std::size_t i = 0; i < even.member.size(); ++i) {
+        if (even.member[i] != 0) (k++ % 2 == 0 ? odd : even).member[i] = 0;
+    }
+    even.count = odd.count = k / 2;
+    const auto answers = two_ways().blended(0.0, {even, two_ways().cores[1], odd});
+    ASSERT_EQ(answers.size(), 2U);
+    const Overlap overlap = overlap_of(answers[0].map, answers[1].map, few(1).blend.agreement_radius);
+    EXPECT_GT(overlap.shared, 100);
+    EXPECT_LT(10 * overlap.agreed, 4 * overlap.shared);
+}
+
+TEST(Blend, OfSeveralContendersIsEqualBitForBitForAnyNumberOfThreads) {
+    const auto one = two_ways().blended(0.0, two_ways().cores, 1);
+    const auto three = two_ways().blended(0.0, two_ways().cores, 3);
+    ASSERT_EQ(one.size(), 2U);
+    ASSERT_EQ(three.size(), 2U);
+    for (std::size_t i = 0; i < one.size(); ++i) {
+        EXPECT_EQ(one[i].map.mapped, three[i].map.mapped);
+        EXPECT_EQ(one[i].map.rotation, three[i].map.rotation);
+        EXPECT_EQ(one[i].risk, three[i].risk);
+        EXPECT_EQ(one[i].fit, three[i].fit);
+    }
+}
+
 TEST(Blend, KeepsAlternativesThatAreWorthTheShareOfTheBestAskedFor) {
-    const TwoWays two;
-    const auto all = two.blended(0.0);
+    const auto all = two_ways().blended(0.0, two_ways().cores);
     ASSERT_EQ(all.size(), 2U);
     const double share = all[1].fit / all[0].fit;
     ASSERT_LT(share, 1.0);
-    EXPECT_EQ(two.blended(0.99 * share).size(), 2U);
-    EXPECT_EQ(two.blended(1.0).size(), 1U);
-    const auto best = two.blended(std::min(1.0, 1.01 * share));
+    EXPECT_EQ(two_ways().blended(0.99 * share, two_ways().cores).size(), 2U);
+    EXPECT_EQ(two_ways().blended(1.0, two_ways().cores).size(), 1U);
+    const auto best = two_ways().blended(std::min(1.0, 1.01 * share), two_ways().cores);
     ASSERT_EQ(best.size(), 1U);
     EXPECT_EQ(best[0].map.position, all[0].map.position);
 }

@@ -82,7 +82,7 @@ TEST(GraphDegreeLinkage, ClustersOfAPartComeAfterThoseOfTheWholeUnlessTheyAreMuc
     EXPECT_EQ(by_affinity_and_area(clusters, {2.0, 2.0, 1.0, 1.0}), (std::vector<int>{0, 1, 2, 3}));
 }
 
-TEST(GraphDegreeLinkage, WithThresholdZeroJoinsAllThatIsConnected) {
+TEST(GraphDegreeLinkage, WithThresholdZeroJoinsGroupsThatAreNear) {
     Eigen::MatrixXd distance = groups({3, 4}, 0.1, 0.5);
     EXPECT_EQ(graph_degree_linkage(distance, {20, 0.0}).members.size(), 1U);
     distance = groups({3, 4}, 0.1, infinity);

@@ -40,8 +40,8 @@ struct PaperOptions {
     /// Nearest maps that each map is joined with in the graph of the linkage (Zhang et al. 2012). The paper does not
     /// say how many; with many more, wrong maps tie everything together, with fewer the right ones fall apart.
     int neighbours = 8;
-    /// q: clusters are joined while the largest affinity is above this. Lower joins maps that agree less; the paper
-    /// uses 0 (samba), 1 (raw scans) and 1.9 (SCAPE).
+    /// q: clusters are joined while the largest affinity is above this, and above 0.003. Lower joins maps that agree
+    /// less; the paper uses 0 (samba), 1 (raw scans) and 1.9 (SCAPE).
     double threshold = 1.0;
     /// One over the decay of a map's say in the merge, in e1 = 2 e0.
     double decay = 5.0;
