@@ -73,10 +73,15 @@ def _symmetric(_data: Path) -> list[Pair]:
     return [Pair("symmetric", shapes.symmetric_body())]
 
 
+def _listed(data: Path) -> dict[str, dict[str, str]]:
+    """The rows of pairs.csv by id."""
+    with (data / "pairs.csv").open(newline="", encoding="utf-8") as file:
+        return {row["id"]: row for row in csv.DictReader(file)}
+
+
 def _of_data(*names: str) -> Callable[[Path], list[Pair]]:
     def read(data: Path) -> list[Pair]:
-        with (data / "pairs.csv").open(newline="", encoding="utf-8") as file:
-            listed = {row["id"]: row for row in csv.DictReader(file)}
+        listed = _listed(data)
         return [Pair(name, read_case(data, listed[name])) for name in names]
 
     return read
@@ -111,8 +116,7 @@ POSITIONS = 2
 
 def _positions(data: Path) -> list[Pair]:
     """Each in other positions of both surfaces, which change nothing but rounding."""
-    with (data / "pairs.csv").open(newline="", encoding="utf-8") as file:
-        listed = {row["id"]: row for row in csv.DictReader(file)}
+    listed = _listed(data)
     return [
         Pair(f"{name}_{k}", read_case(data, listed[name], rotation=k), options=options)
         for name, options in POSITIONED.items()

@@ -200,9 +200,10 @@ std::vector<Blended> blend(const Pair& pair, const PatchSettings& settings, cons
     std::stable_sort(ranked.begin(), ranked.end(),
                      [&](std::size_t a, std::size_t b) { return contenders[a].worth > contenders[b].worth; });
     if (!ranked.empty()) {
-        std::unique_ptr<Completion>& first = contenders[ranked[0]].completion;
-        first->take_threads(threads);
-        first = contest(std::move(first), pair, settings, Piece(monitor, to - middle - extending));
+        Contender& first = contenders[ranked[0]];
+        first.completion->take_threads(threads);
+        first.completion =
+            contest(std::move(first.completion), first.worth, pair, settings, Piece(monitor, to - middle - extending));
     }
     parallel_for(
         static_cast<int>(ranked.size()), settings.threads,

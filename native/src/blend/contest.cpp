@@ -59,13 +59,12 @@ std::vector<Ground> grounds(const Completion& completion, const Pair& pair, doub
 
 }  // namespace
 
-std::unique_ptr<Completion> contest(std::unique_ptr<Completion> completion, const Pair& pair,
+std::unique_ptr<Completion> contest(std::unique_ptr<Completion> completion, double worth, const Pair& pair,
                                     const PatchSettings& settings, Piece progress) {
-    double best = completion->worth();
-    std::vector<Ground> open = grounds(*completion, pair, best);
+    std::vector<Ground> open = grounds(*completion, pair, worth);
     if (open.empty()) return completion;
     completion->be_exclusive();
-    best = completion->worth();
+    double best = completion->worth();
     const int threads = worker_count(settings.threads);
     std::vector<Ground> settled;
     int failures = 0;

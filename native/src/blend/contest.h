@@ -14,8 +14,9 @@ namespace isograft {
 /// map that is worth most by Completion::worth() stays, and is contested in turn.
 ///
 /// Costs next to nothing where there is nothing to contest. Equal bit for bit for any number of threads.
+/// \param worth Completion::worth() of it, which the caller has measured.
 /// \return `completion`, whose map is finished, or a better one.
-std::unique_ptr<Completion> contest(std::unique_ptr<Completion> completion, const Pair& pair,
+std::unique_ptr<Completion> contest(std::unique_ptr<Completion> completion, double worth, const Pair& pair,
                                     const PatchSettings& settings, Piece progress);
 
 }  // namespace isograft

@@ -65,6 +65,16 @@ std::vector<Blended> blended(const std::vector<Core>& cores, int threads = 2) {
     return blend(twins().pair(), few(threads), grown().patches, cores, monitor, 0.0, 0.6, 1.0);
 }
 
+void expect_equal_bits(const std::vector<Blended>& one, const std::vector<Blended>& other) {
+    ASSERT_EQ(one.size(), other.size());
+    for (std::size_t i = 0; i < one.size(); ++i) {
+        EXPECT_EQ(one[i].map.mapped, other[i].map.mapped);
+        EXPECT_EQ(one[i].map.rotation, other[i].map.rotation);
+        EXPECT_EQ(one[i].risk, other[i].risk);
+        EXPECT_EQ(one[i].fit, other[i].fit);
+    }
+}
+
 TEST(Blend, OfRightPatchesIsTheRightMapEverywhere) {
     const auto answers = blended({grown().right});
     ASSERT_EQ(answers.size(), 1U);
@@ -186,13 +196,7 @@ TEST(Blend, OfSeveralContendersIsEqualBitForBitForAnyNumberOfThreads) {
     const auto one = two_ways().blended(0.0, two_ways().cores, 1);
     const auto three = two_ways().blended(0.0, two_ways().cores, 3);
     ASSERT_EQ(one.size(), 2U);
-    ASSERT_EQ(three.size(), 2U);
-    for (std::size_t i = 0; i < one.size(); ++i) {
-        EXPECT_EQ(one[i].map.mapped, three[i].map.mapped);
-        EXPECT_EQ(one[i].map.rotation, three[i].map.rotation);
-        EXPECT_EQ(one[i].risk, three[i].risk);
-        EXPECT_EQ(one[i].fit, three[i].fit);
-    }
+    expect_equal_bits(one, three);
 }
 
 TEST(Blend, KeepsAlternativesThatAreWorthTheShareOfTheBestAskedFor) {
@@ -217,13 +221,7 @@ TEST(Blend, OfNoCoreIsAnEmptyMap) {
 TEST(Blend, IsEqualBitForBitForAnyNumberOfThreads) {
     const auto one = blended({grown().right, grown().wrong}, 1);
     const auto two = blended({grown().right, grown().wrong}, 2);
-    ASSERT_EQ(one.size(), two.size());
-    for (std::size_t i = 0; i < one.size(); ++i) {
-        EXPECT_EQ(one[i].map.mapped, two[i].map.mapped);
-        EXPECT_EQ(one[i].map.rotation, two[i].map.rotation);
-        EXPECT_EQ(one[i].risk, two[i].risk);
-        EXPECT_EQ(one[i].fit, two[i].fit);
-    }
+    expect_equal_bits(one, two);
 }
 
 TEST(Blend, ReportsFromWhereToWhereItWasTold) {

@@ -63,7 +63,8 @@ struct Bench : CompletionBench {
 
     std::unique_ptr<Completion> run(std::unique_ptr<Completion> from, int threads) {
         settings.threads = threads;
-        return contest(std::move(from), twins().pair(), settings, Piece(monitor));
+        const double worth = from->worth();
+        return contest(std::move(from), worth, twins().pair(), settings, Piece(monitor));
     }
     std::unique_ptr<Completion> run(int threads) { return run(std::make_unique<Completion>(completion), threads); }
 };
