@@ -254,7 +254,7 @@ Match match_by_paper(const Surface& source, const Surface& target, const MatchOp
     const std::vector<OrientedMatch> seeds = find_seeds(work, options, monitor);
     lap("features", static_cast<std::int64_t>(seeds.size() * sizeof(OrientedMatch)));
 
-    const FloodOptions flood_options{paper.stretch_limit, {paper.iterations, 0.5}};
+    const FloodOptions flood_options{.stretch_limit = paper.stretch_limit, .fit = {.iterations = paper.iterations}};
     const Floods floods =
         flood_all(levels, mesh, seeds, paper.matches, flood_options, options.threads, monitor, features_by, grown_by);
     report.seeds_tried = floods.tried;

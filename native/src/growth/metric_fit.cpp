@@ -36,29 +36,42 @@ double energy(const std::vector<Link>& links) {
     return sum;
 }
 
-Eigen::VectorXd step_of(const std::vector<Link>& links, int unknowns, double damping) {
-    std::vector<Eigen::Triplet<double>> entries;
-    entries.reserve(10 * links.size() + 2 * unknowns);
-    Eigen::VectorXd gradient = Eigen::VectorXd::Zero(2 * unknowns);
-    for (const Link& l : links) {
-        // First variation of arc length: minus the departure at one end, the arrival at the other.
-        const double r = l.shot.length - l.edge->length;
-        const int index[4] = {2 * l.u, 2 * l.u + 1, 2 * l.v, 2 * l.v + 1};
-        const double j[4] = {-l.shot.departure.real(), -l.shot.departure.imag(), l.shot.arrival.real(),
-                             l.shot.arrival.imag()};
-        for (int a = 0; a < 4; ++a) {
-            gradient[index[a]] += j[a] * r;
-            for (int b = 0; b < 4; ++b) {
-                if (index[a] >= index[b]) entries.emplace_back(index[a], index[b], j[a] * j[b]);
+// Which unknowns meet does not change from one iteration to the next, so the elimination's order is found once.
+class DirectEquations {
+  public:
+    explicit DirectEquations(int points) : unknowns_(2 * points), matrix_(unknowns_, unknowns_) {}
+
+    Eigen::VectorXd step(const std::vector<Link>& links, double damping) {
+        entries_.clear();
+        Eigen::VectorXd gradient = Eigen::VectorXd::Zero(unknowns_);
+        for (const Link& l : links) {
+            // First variation of arc length: minus the departure at one end, the arrival at the other.
+            const double r = l.shot.length - l.edge->length;
+            const int index[4] = {2 * l.u, 2 * l.u + 1, 2 * l.v, 2 * l.v + 1};
+            const double j[4] = {-l.shot.departure.real(), -l.shot.departure.imag(), l.shot.arrival.real(),
+                                 l.shot.arrival.imag()};
+            for (int a = 0; a < 4; ++a) {
+                gradient[index[a]] += j[a] * r;
+                for (int b = 0; b < 4; ++b) {
+                    if (index[a] >= index[b]) entries_.emplace_back(index[a], index[b], j[a] * j[b]);
+                }
             }
         }
+        for (int i = 0; i < unknowns_; ++i) entries_.emplace_back(i, i, damping);
+        matrix_.setFromTriplets(entries_.begin(), entries_.end());
+        if (!ordered_) factor_.analyzePattern(matrix_);
+        ordered_ = true;
+        factor_.factorize(matrix_);
+        return factor_.solve(-gradient);
     }
-    for (int i = 0; i < 2 * unknowns; ++i) entries.emplace_back(i, i, damping);
-    Eigen::SparseMatrix<double> matrix(2 * unknowns, 2 * unknowns);
-    matrix.setFromTriplets(entries.begin(), entries.end());
-    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor(matrix);
-    return factor.solve(-gradient);
-}
+
+  private:
+    int unknowns_;
+    bool ordered_ = false;
+    std::vector<Eigen::Triplet<double>> entries_;
+    Eigen::SparseMatrix<double> matrix_;
+    Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor_;
+};
 
 // Move every point by its step; directions turn with it.
 Points2 moved(const TriangleMesh& target, const Points2& from, const Eigen::VectorXd& step, double longest,
@@ -122,10 +135,11 @@ void fit_metric(const Samples& source, const TriangleMesh& target, const MetricF
     }
     const int unknowns = static_cast<int>(sample.size());
     std::vector<Complex> turn(unknowns);
+    DirectEquations equations(unknowns);
     double now = energy(links);
     double damping = 1e-2;
     for (int iteration = 0; iteration < options.iterations && !links.empty(); ++iteration) {
-        const Eigen::VectorXd step = step_of(links, unknowns, damping);
+        const Eigen::VectorXd step = equations.step(links, damping);
         Points2 tried = moved(target, points, step, options.max_step * source.spacing, turn);
         std::vector<Link> seen = reshot(target, links, tried, turn, monitor);
         const double then = energy(seen);

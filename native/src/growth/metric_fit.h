@@ -8,9 +8,10 @@ namespace isograft {
 
 /// How far fit_metric() goes.
 struct MetricFitOptions {
-    int iterations = 3;
+    /// At most; it ends before where one gains less than a thousandth.
+    int iterations = 30;
     /// Longest step of a point in one iteration, in spacings.
-    double max_step = 0.5;
+    double max_step = 1.0;
 };
 
 /// The paper's least squares (section 4.3, after Bronstein et al. 2006): the sum of (d_T - d_S)^2 over the hierarchy's

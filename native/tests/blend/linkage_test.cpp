@@ -93,7 +93,7 @@ TEST(GraphDegreeLinkage, WithThresholdZeroStillPartsWhatHardlyTouches) {
     // One item of each group has one of the other among its nearest.
     Eigen::MatrixXd distance = groups({9, 9}, 0.1, 5.0);
     for (const auto& [i, j] : {std::pair{0, 1}, std::pair{9, 10}}) distance(i, j) = distance(j, i) = 0.4;
-    distance(0, 9) = distance(9, 0) = 0.2;
+    distance(0, 9) = distance(9, 0) = 0.14;
     const double between = affinity(neighbour_weights(distance, 8), {0}, {9});
     ASSERT_GT(between, least_affinity);
     const Clusters clusters = graph_degree_linkage(distance, {8, 0.0});

@@ -85,11 +85,20 @@ TEST(Flood, StopsWhereThePlaneWouldHaveToStretchOverTheHill) {
     EXPECT_LT(inside_mapped, 0.6 * inside);
 }
 
-TEST(Flood, FromAWrongAngleStopsEarlierOrStrains) {
+TEST(Flood, FromTheOppositeAngleStopsEarlierOrStrains) {
     const Scene scene = moved_blob();
-    const PartialMap right = scene.grow(scene.match(100, 100)), wrong = scene.grow(scene.match(100, 100, 1.3));
+    const PartialMap right = scene.grow(scene.match(100, 100)), wrong = scene.grow(scene.match(100, 100, M_PI));
     EXPECT_LT(wrong.count, right.count);
     EXPECT_GT(wrong.stress, 5.0 * right.stress);
+}
+
+TEST(Flood, TurnsRoundFromAWrongAngleWhereTheShapeTells) {
+    const Scene scene = moved_blob();
+    for (const double angle : {0.4, 0.8, -0.8}) {
+        const PartialMap map = scene.grow(scene.match(100, 100, angle));
+        EXPECT_EQ(map.count, scene.source.vertex_count()) << "angle " << angle;
+        EXPECT_LT(scene.worst(map), 0.3) << "angle " << angle;
+    }
 }
 
 TEST(Flood, MeasuresTheWayFromTheSeedInsideTheMap) {
@@ -173,6 +182,33 @@ TEST(FitMetric, BringsJitteredImagesBackToTheirDistances) {
     fit_metric(scene.levels.samples, scene.target, options, map, monitor);
     EXPECT_LT(map.stress, 0.25 * before);
     EXPECT_LT(scene.worst(map), 0.6);
+}
+
+TEST(FitMetric, TakesBackADriftThatGrewOverTheSurface) {
+    const Scene scene = moved_blob();
+    const Eigen::Vector3d up = scene.turn.col(2);
+    std::vector<double> height;
+    for (int v = 0; v < scene.target.vertex_count(); ++v) height.push_back(up.dot(scene.target.position[v]));
+    const auto [bottom, top] = std::minmax_element(height.begin(), height.end());
+    PartialMap drifted(scene.source.vertex_count());
+    for (int v = 0; v < scene.source.vertex_count(); ++v) {
+        const OrientedMatch exact = scene.match(v, v);
+        // Towards the top, up to four spacings of the way round the axis.
+        const Complex round = flatten(scene.target, exact.point.face, up.cross(scene.target.position[v]));
+        const double length = 4.0 * scene.levels.samples.spacing * (height[v] - *bottom) / (*top - *bottom);
+        const Trace t = trace(scene.target, exact.point, round, length);
+        drifted.put(scene.target, v, t.end, carry(scene.target, exact.point.face, t.end.face, exact.rotation));
+    }
+    const auto fitted = [&](int iterations) {
+        PartialMap map = drifted;
+        Monitor monitor;
+        fit_metric(scene.levels.samples, scene.target, {.iterations = iterations}, map, monitor);
+        return map;
+    };
+    const PartialMap few = fitted(3), many = fitted(30), more = fitted(100);
+    EXPECT_LT(many.stress, 0.5 * few.stress);
+    EXPECT_LT(scene.worst(many), 0.5 * scene.worst(few));
+    EXPECT_EQ(more.stress, many.stress) << "it ends by itself";
 }
 
 TEST(FitMetric, LeavesAnIsometryWhereItIs) {

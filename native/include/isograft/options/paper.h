@@ -35,12 +35,13 @@ struct PaperOptions {
     /// that limbs really have is beyond nu: with 1.5 the true map of two SCAPE scans itself breaks eq. 5 at a fifth to
     /// a half of the vertices, with 1 at a tenth to a quarter. More is stricter where surfaces do not stretch at all.
     double near = 1.0;
-    /// Iterations of the least squares at every doubling of a map's area.
-    int iterations = 3;
+    /// Most iterations of the least squares at every doubling of a map's area; it stops before where one gains less
+    /// than a thousandth. After a few only, limbs that were grown with a drift stay turned or shifted.
+    int iterations = 30;
     /// Nearest maps that each map is joined with in the graph of the linkage (Zhang et al. 2012). The paper does not
     /// say how many; with many more, wrong maps tie everything together, with fewer the right ones fall apart.
-    int neighbours = 8;
-    /// q: clusters are joined while the largest affinity is above this, and above 0.003. Lower joins maps that agree
+    int neighbours = 10;
+    /// q: clusters are joined while the largest affinity is above this, and above 0.05. Lower joins maps that agree
     /// less; the paper uses 0 (samba), 1 (raw scans) and 1.9 (SCAPE).
     double threshold = 1.0;
     /// One over the decay of a map's say in the merge, in e1 = 2 e0.
