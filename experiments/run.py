@@ -35,10 +35,24 @@ class Settings:
     vertices: int | None
     matches: int
 
-    def kept(self, experiment: Experiment, pair: str) -> dict[str, Any]:
-        """What a kept result of preset paper has to be of."""
-        vertices = self.vertices or experiment.limit(pair)
-        return {"vertices": vertices, "matches": self.matches, "version": isograft.__version__}
+    def options(self, experiment: Experiment, pair: Pair, preset: str) -> dict[str, Any]:
+        """What is set besides the preset."""
+        # As in the paper, both sides of every pair are in one unit.
+        options: dict[str, Any] = {"scale": "fixed"}
+        if pair.landmarks is not None:
+            options["seed_landmarks_only"] = True
+        if preset == "paper":
+            options |= experiment.options | pair.options
+            options["paper_vertices"] = self.vertices or experiment.limit(pair.name)
+            options["paper_matches"] = self.matches
+        return options
+
+    def kept(self, experiment: Experiment, pair: Pair, method: str) -> dict[str, Any]:
+        """What a kept result has to be of: a change of the preset tells, one of the code only by its version."""
+        if method not in isograft.presets():
+            return {"version": isograft.__version__}
+        options = isograft.preset_options(method) | self.options(experiment, pair, method)
+        return {"version": isograft.__version__, "options": options}
 
 
 class StageClock:
@@ -67,7 +81,7 @@ def run_pair(experiment: Experiment, pair: Pair, method: str, settings: Settings
     """The figures of one pair and method, from the kept file if it is of the same settings."""
     folder = settings.out / experiment.name
     path = folder / f"{pair.name}.{method}.json"
-    wanted = settings.kept(experiment, pair.name) if method == "paper" else {"version": isograft.__version__}
+    wanted = settings.kept(experiment, pair, method)
     if path.exists():
         kept: dict[str, Any] = json.loads(path.read_text())
         if kept["settings"] == wanted and "failed" not in kept:
@@ -101,16 +115,6 @@ def _find(experiment: Experiment, pair: Pair, method: str, settings: Settings) -
         return _at_vertices(heat_kernel_map(case.source, case.target, landmarks), case.target), {}
     if method in ("nearest", "pyfm-zoomout"):
         return find(case, {"method": method}).correspondence, {}
-    # As in the paper, both sides of every pair are in one unit.
-    options: dict[str, Any] = {"scale": "fixed"}
-    if pair.landmarks is not None:
-        options["seed_landmarks_only"] = True
-    if method == "paper":
-        options |= experiment.options | pair.options
-        options |= {
-            "paper_vertices": settings.vertices or experiment.limit(pair.name),
-            "paper_matches": settings.matches,
-        }
     clock = StageClock()
     result = isograft.match(
         case.source,
@@ -119,7 +123,7 @@ def _find(experiment: Experiment, pair: Pair, method: str, settings: Settings) -
         landmarks=pair.landmarks,
         threads=settings.threads,
         progress=clock,
-        **options,
+        **settings.options(experiment, pair, method),
     )
     report = result.report
     told = {"cpu_stages": clock.seconds} if method == "paper" else {}

@@ -111,6 +111,11 @@ def test_what_is_kept_is_not_run_again_unless_the_settings_differ(ran: Any, monk
     assert run_pair(experiment, pair, "paper", settings) == json.loads(json.dumps(row))
     with pytest.raises(AssertionError, match="ran again"):
         run_pair(experiment, pair, "paper", dataclasses.replace(settings, vertices=150))
+    # A preset that has changed since is other settings too.
+    changed = isograft.preset_options("paper") | {"paper_iterations": 7}
+    monkeypatch.setattr(isograft, "preset_options", lambda _name: changed)
+    with pytest.raises(AssertionError, match="ran again"):
+        run_pair(experiment, pair, "paper", settings)
 
 
 def test_options_of_a_pair_replace_those_of_its_experiment_and_are_told(ran: Any, tmp_path: Path) -> None:
