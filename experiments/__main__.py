@@ -22,8 +22,8 @@ def parse(arguments: list[str]) -> argparse.Namespace:
     names = [e.name for e in EXPERIMENTS]
     parser = argparse.ArgumentParser(
         prog="scripts/experiments",
-        description="Run the paper's experiments again. What is done is kept in OUT and not done again, so an "
-        "interrupted run goes on where it stopped.",
+        description="Run the paper's experiments again. What is done is kept in OUT and not done again unless the "
+        "version or an option of the preset has changed, so an interrupted run goes on where it stopped.",
     )
     parser.add_argument("names", nargs="*", metavar="NAME", help=f"default: all: {', '.join(names)}")
     parser.add_argument("--data", type=Path, default=Path(os.environ.get("ISOGRAFT_DATA", ROOT.parent / "shared/data")))

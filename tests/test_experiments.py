@@ -111,6 +111,9 @@ def test_what_is_kept_is_not_run_again_unless_the_settings_differ(ran: Any, monk
     assert run_pair(experiment, pair, "paper", settings) == json.loads(json.dumps(row))
     with pytest.raises(AssertionError, match="ran again"):
         run_pair(experiment, pair, "paper", dataclasses.replace(settings, vertices=150))
+    # So is one of the other preset; peers have none.
+    assert settings.kept(experiment, pair, "default")["options"]["blend_cores"] == 3
+    assert set(settings.kept(experiment, pair, "nearest")) == {"version"}
     # A preset that has changed since is other settings too.
     changed = isograft.preset_options("paper") | {"paper_iterations": 7}
     monkeypatch.setattr(isograft, "preset_options", lambda _name: changed)
@@ -128,7 +131,14 @@ def test_options_of_a_pair_replace_those_of_its_experiment_and_are_told(ran: Any
     assert refused["options"] == own.options
     (tmp_path / "out/planes/planes.paper.json").write_text(json.dumps(row | {"options": {"paper_near": 1.25}}))
     write_page([experiment], settings.out, tmp_path)
-    assert "in the chosen cluster. With `paper_near=1.25`." in (tmp_path / "experiments.md").read_text("utf-8")
+    page = tmp_path / "experiments.md"
+    told = f"{row['seeds_tried']} of at most 4 oriented matches tried, "
+    assert told in page.read_text("utf-8")
+    assert "in the chosen cluster. With `paper_near=1.25`." in page.read_text("utf-8")
+    # A row of an earlier version has other settings.
+    (tmp_path / "out/planes/planes.paper.json").write_text(json.dumps(row | {"settings": {"version": "0"}}))
+    write_page([experiment], settings.out, tmp_path)
+    assert told.replace(" of at most 4", "") in page.read_text("utf-8")
 
 
 def test_the_page_has_the_rows_their_sizes_and_their_times(ran: Any, tmp_path: Path) -> None:

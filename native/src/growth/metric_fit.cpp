@@ -15,7 +15,7 @@ namespace isograft {
 namespace {
 
 constexpr ShootOptions accuracy{.max_traces = 4, .tolerance = 0.01};
-// An iteration that gains less than this share is the last.
+// One that gains less than this share is the last; those that gain nothing are tried again with more damping.
 constexpr double enough = 1e-3;
 constexpr std::size_t check_every = 4096;
 
@@ -62,6 +62,7 @@ class DirectEquations {
         if (!ordered_) factor_.analyzePattern(matrix_);
         ordered_ = true;
         factor_.factorize(matrix_);
+        if (factor_.info() != Eigen::Success) return Eigen::VectorXd::Zero(unknowns_);
         return factor_.solve(-gradient);
     }
 

@@ -8,9 +8,9 @@ namespace isograft {
 
 /// How far fit_metric() goes.
 struct MetricFitOptions {
-    /// At most; it ends before where one gains less than a thousandth.
+    /// Steps tried at most; it ends before with one that gains, but less than a thousandth.
     int iterations = 30;
-    /// Longest step of a point in one iteration, in spacings.
+    /// Longest step of a point in one iteration, in spacings: farther off, lengths are no longer linear in it.
     double max_step = 1.0;
 };
 

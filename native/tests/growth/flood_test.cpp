@@ -194,7 +194,7 @@ TEST(FitMetric, TakesBackADriftThatGrewOverTheSurface) {
     for (int v = 0; v < scene.source.vertex_count(); ++v) {
         const OrientedMatch exact = scene.match(v, v);
         // Towards the top, up to four spacings of the way round the axis.
-        const Complex round = flatten(scene.target, exact.point.face, up.cross(scene.target.position[v]));
+        const Complex round = flatten(scene.target, exact.point.face, up.cross(scene.turn * scene.source.position[v]));
         const double length = 4.0 * scene.levels.samples.spacing * (height[v] - *bottom) / (*top - *bottom);
         const Trace t = trace(scene.target, exact.point, round, length);
         drifted.put(scene.target, v, t.end, carry(scene.target, exact.point.face, t.end.face, exact.rotation));

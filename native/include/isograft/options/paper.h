@@ -35,8 +35,8 @@ struct PaperOptions {
     /// that limbs really have is beyond nu: with 1.5 the true map of two SCAPE scans itself breaks eq. 5 at a fifth to
     /// a half of the vertices, with 1 at a tenth to a quarter. More is stricter where surfaces do not stretch at all.
     double near = 1.0;
-    /// Most iterations of the least squares at every doubling of a map's area; it stops before where one gains less
-    /// than a thousandth. After a few only, limbs that were grown with a drift stay turned or shifted.
+    /// Steps that the least squares try at every doubling of a map's area at most; they end before with one that gains,
+    /// but less than a thousandth. After a few only, limbs that were grown with a drift stay turned or shifted.
     int iterations = 30;
     /// Nearest maps that each map is joined with in the graph of the linkage (Zhang et al. 2012). The paper does not
     /// say how many; with many more, wrong maps tie everything together, with fewer the right ones fall apart.
