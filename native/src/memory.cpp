@@ -9,8 +9,9 @@
 namespace isograft {
 
 std::int64_t estimated_memory(const MeshSize& source, const MeshSize& target, const MatchOptions& options) {
-    // The gate's mesh and the working one, sorting and coarsening, which two surfaces may go through at once.
-    constexpr std::int64_t per_vertex = 620, per_triangle = 930;
+    // The gate's mesh, the working one and for a while one whose holes are closed, sorting and coarsening, which two
+    // surfaces may go through at once.
+    constexpr std::int64_t per_vertex = 400, per_triangle = 410;
     // Descriptors, edges, trials; every probe holds a map of all samples, every thread a grower.
     constexpr std::int64_t per_sample = 40'000, per_sample_and_probe = 80, per_sample_and_thread = 4'000;
     constexpr std::int64_t program = 10'000'000;

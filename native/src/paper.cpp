@@ -68,7 +68,9 @@ struct Work {
 Detail work_detail(const Surface& surface, double factor, int vertices, const std::string& name, MatchReport& report,
                    Monitor& monitor) {
     Detail detail{surface, factor, {}};
-    const TriangleMesh fine = scaled(surface.mesh(), factor);
+    TriangleMesh fine = surface.mesh();
+    measure_paths(fine, monitor);
+    fine = scaled(fine, factor);
     detail.coarse.mesh = fine;
     if (fine.vertex_count() > vertices) {
         // An even mesh of equilateral triangles has two of them a vertex.

@@ -210,7 +210,7 @@ Shape reversed(const Shape& shape) {
 TriangleMesh mesh_of(const Shape& shape) {
     const Surface surface = Surface::from_mesh(shape.vertices, shape.faces);
     if (!surface.warnings().empty()) throw std::logic_error("a test shape is not clean: " + surface.warnings().front());
-    return surface.mesh();
+    return surface.mesh_with_paths();
 }
 
 SurfacePoint point_nearest(const TriangleMesh& mesh, const Eigen::Vector3d& x) {

@@ -49,9 +49,9 @@ class Surface {
                                double share = 1.0);
 
     /// #V by 3, as given.
-    [[nodiscard]] const Points& vertices() const { return vertices_; }
+    [[nodiscard]] const Points& vertices() const { return *vertices_; }
     /// #F by 3, as given; without rows for a point cloud.
-    [[nodiscard]] const Triangles& faces() const { return faces_; }
+    [[nodiscard]] const Triangles& faces() const { return *faces_; }
     /// What the gate repaired or left out, a sentence each with counts.
     [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
     /// True if some component is open and bulges to neither side, so that its outer side could not be told.
@@ -68,6 +68,8 @@ class Surface {
     [[nodiscard]] std::pair<Points, Triangles> working_mesh() const;
     /// The repaired mesh the stages work on; over a point cloud, one made for it (internal).
     [[nodiscard]] const TriangleMesh& mesh() const { return *mesh_; }
+    /// mesh() as paths ask for it, measured at the first call and kept (internal). From any thread.
+    [[nodiscard]] const TriangleMesh& mesh_with_paths() const;
     /// The same surface with its open components turned over (internal: both sides are tried, consensus decides).
     [[nodiscard]] Surface with_open_parts_reversed(Monitor* monitor = nullptr) const;
     /// The same surface with the mesh the stages work on moved to where nobody's moving and turning of the input shows
@@ -80,10 +82,13 @@ class Surface {
     [[nodiscard]] Surface denoised(double support, Monitor& monitor) const;
 
   private:
-    [[nodiscard]] Surface reversed_cloud() const;
+    struct Paths;
 
-    Points vertices_;
-    Triangles faces_;
+    [[nodiscard]] Surface reversed_cloud() const;
+    void set_mesh(TriangleMesh mesh);
+
+    std::shared_ptr<const Points> vertices_;
+    std::shared_ptr<const Triangles> faces_;
     std::vector<std::string> warnings_;
     bool ambiguous_ = false;
     bool closed_ = true;
@@ -91,6 +96,7 @@ class Surface {
     Points normals_{0, 3};
     std::vector<int> cloud_vertex_;
     std::shared_ptr<const TriangleMesh> mesh_;
+    std::shared_ptr<Paths> paths_;
 };
 
 }  // namespace isograft

@@ -7,12 +7,10 @@
 #include <utility>
 #include <vector>
 
+#include "base/filling.h"
 #include "isograft/monitor.h"
 
 namespace isograft {
-
-/// Steps of a light loop between two looks at the monitor.
-constexpr int often = 1 << 16;
 
 /// std::sort that asks `monitor` now and then. \throw Cancelled, with the items in any order.
 template <class Iterator, class Less>
@@ -38,7 +36,8 @@ std::vector<Item> sort_by_buckets(std::vector<Item> items, int buckets, BucketOf
     }
     std::partial_sum(next.begin(), next.end(), next.begin());
     monitor.check();
-    std::vector<Item> sorted(items.size());
+    std::vector<Item> sorted;
+    fill_watched(sorted, items.size(), monitor);
     for (std::size_t i = 0; i < items.size(); ++i) {
         if (i % often == 0) monitor.check();
         sorted[next[bucket_of(items[i])]++] = items[i];

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <functional>
 #include <limits>
+#include <stdexcept>
 
 #include "isograft/errors.h"
 #include "isograft/geodesic.h"
@@ -65,7 +66,9 @@ static_assert(most_offers < std::numeric_limits<std::uint16_t>::max());
 
 }  // namespace
 
-Window::Window(const TriangleMesh& mesh) : mesh_(&mesh), place_(mesh.vertex_count()) {}
+Window::Window(const TriangleMesh& mesh) : mesh_(&mesh), place_(mesh.vertex_count()) {
+    if (!mesh.has_paths()) throw std::logic_error("a window needs a mesh with paths");
+}
 
 bool Window::improves(int vertex, double distance) const {
     // A gain beyond rounding counts: were it larger, the order of the triangles would decide between near ties. Round
@@ -179,7 +182,7 @@ std::optional<Polar> Window::query(const SurfacePoint& point) const {
 Eigen::VectorXd geodesic_distances(const Surface& surface, int face, const Eigen::Vector3d& barycentric,
                                    double radius) {
     if (!(radius > 0.0)) throw InvalidInput("radius must be positive, not " + std::to_string(radius));
-    const TriangleMesh& mesh = surface.mesh();
+    const TriangleMesh& mesh = surface.mesh_with_paths();
     const auto found = std::find(mesh.input_face.begin(), mesh.input_face.end(), face);
     if (face < 0 || face >= surface.faces().rows() || found == mesh.input_face.end()) {
         throw InvalidInput("face " + std::to_string(face) +

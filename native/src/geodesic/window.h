@@ -27,6 +27,7 @@ struct Polar {
 /// touched again. About a microsecond per vertex reached. In place of smoothed Dijkstra paths (paper section 4.1).
 class Window {
   public:
+    /// \param mesh with paths. \throw std::logic_error without them.
     explicit Window(const TriangleMesh& mesh);
 
     /// Settle everything within `radius` (mesh units) of `centre`. On obtuse triangles a path may lead over a corner

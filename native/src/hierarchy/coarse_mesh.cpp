@@ -11,6 +11,7 @@
 
 #include <Eigen/Geometry>
 
+#include "base/filling.h"
 #include "hierarchy/closest.h"
 #include "surface/edges.h"
 
@@ -29,27 +30,23 @@ constexpr int often = 4096;
 class Collapser {
   public:
     Collapser(const TriangleMesh& mesh, double longest, Monitor& monitor)
-        : position_(mesh.position),
-          face_(mesh.face),
-          alive_(mesh.face.size(), 1),
-          normal_(mesh.face.size()),
-          size_(mesh.face.size()),
-          next_(3 * mesh.face.size(), -1),
-          first_(mesh.vertex_count(), -1),
-          degree_(mesh.vertex_count(), 0),
-          on_boundary_(mesh.on_boundary),
-          version_(mesh.vertex_count(), 0),
-          into_(mesh.vertex_count(), -1),
-          mark_(mesh.vertex_count(), 0),
-          longest_(longest),
-          count_(mesh.vertex_count()) {
+        : position_(mesh.position), longest_(longest), count_(mesh.vertex_count()) {
+        copy_watched(face_, mesh.face, monitor);
+        fill_watched(alive_, mesh.face.size(), char{1}, monitor);
+        fill_watched(normal_, mesh.face.size(), Eigen::Vector3d(Eigen::Vector3d::Zero()), monitor);
+        fill_watched(size_, mesh.face.size(), monitor);
+        fill_watched(next_, 3 * mesh.face.size(), -1, monitor);
+        copy_watched(on_boundary_, mesh.on_boundary, monitor);
+        for (auto* of_vertex : {&first_, &into_}) fill_watched(*of_vertex, mesh.position.size(), -1, monitor);
+        for (auto* of_vertex : {&degree_, &version_, &mark_}) fill_watched(*of_vertex, mesh.position.size(), monitor);
         for (int f = 0; f < mesh.face_count(); ++f) {
             if (f % often == 0) monitor.check();
             measure(f);
             for (int k = 0; k < 3; ++k) link(face_[f][k], 3 * f + k);
         }
         std::vector<Item> items;
-        items.reserve(3 * mesh.face.size() / 2);
+        // Twice as many as there are edges: what collapses add goes in without a move.
+        items.reserve(3 * mesh.face.size());
         for (int f = 0; f < mesh.face_count(); ++f) {
             if (f % often == 0) monitor.check();
             for (int k = 0; k < 3; ++k) {
@@ -277,6 +274,7 @@ CoarseMesh coarsen(const TriangleMesh& fine, double edge, Piece progress, double
     const int goal = goal_count(fine.area, edge);
     if (fine.vertex_count() <= static_cast<int>(goal * slack)) {
         coarse.mesh = fine;
+        measure_paths(coarse.mesh, monitor);
         return coarse;
     }
     Collapser collapser(fine, 2.2 * edge, monitor);
@@ -296,6 +294,7 @@ CoarseMesh coarsen(const TriangleMesh& fine, double edge, Piece progress, double
         reversed.push_back(0);
     }
     coarse.mesh = build_mesh(fine.position, faces, input_face, reversed, monitor);
+    measure_paths(coarse.mesh, monitor);
     coarse.fine_vertex = coarse.mesh.input_vertex;
     std::vector<int> coarse_vertex(fine.vertex_count(), -1);
     for (int v = 0; v < coarse.mesh.vertex_count(); ++v) coarse_vertex[coarse.fine_vertex[v]] = v;

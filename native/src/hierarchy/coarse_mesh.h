@@ -13,6 +13,7 @@ namespace isograft {
 ///
 /// Windows cost what they reach, and maps gain nothing from triangles far smaller than the sample spacing.
 struct CoarseMesh {
+    /// With paths.
     TriangleMesh mesh;
     /// Per coarse vertex the fine vertex it is. Empty if the fine mesh was coarse enough and `mesh` is the same.
     std::vector<int> fine_vertex;

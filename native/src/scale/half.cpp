@@ -69,6 +69,7 @@ Side make_side(const Surface& surface, const HierarchyOptions& options, Piece pr
         result.coarse = coarsen(surface.mesh(), result.edge, progress.until(1.0));
     } else {
         result.coarse.mesh = surface.mesh();
+        measure_paths(result.coarse.mesh, progress.monitor());
     }
     return result;
 }

@@ -65,20 +65,24 @@ bool same_turn(const Corners& a, const Corners& b) {
 void drop_repeated(Soup& soup, const std::vector<int>& place, Monitor& monitor) {
     const int count = static_cast<int>(soup.face.size());
     std::vector<int> uses(soup.position.size(), 0);
+    monitor.check();
     for (const Corners& face : soup.face) {
         for (const int v : face) ++uses[v];
     }
+    monitor.check();
     struct Item {
         Corners key;
         bool loose;
         int face;
     };
-    std::vector<Item> items(count);
+    std::vector<Item> items;
+    fill_watched(items, count, monitor);
     const auto placed = [&](int f) {
         const Corners& face = soup.face[f];
         return Corners{place[face[0]], place[face[1]], place[face[2]]};
     };
     for (int f = 0; f < count; ++f) {
+        if (f % often == 0) monitor.check();
         Corners key = placed(f);
         std::sort(key.begin(), key.end());
         const auto& face = soup.face[f];
@@ -118,7 +122,8 @@ void drop_repeated(Soup& soup, const std::vector<int>& place, Monitor& monitor) 
 
 // Two triangles, and only two, have this edge in space, but not by their indices: a seam.
 void weld_seams(const Soup& soup, const std::vector<int>& place, DisjointSets& sets, Monitor& monitor) {
-    std::vector<Corners> placed = soup.face;
+    std::vector<Corners> placed;
+    copy_watched(placed, soup.face, monitor);
     for (Corners& face : placed) {
         for (int& v : face) v = place[v];
     }
@@ -155,7 +160,8 @@ std::vector<int> find_places(const std::vector<Eigen::Vector3d>& position, Monit
         double x;
         int vertex;
     };
-    std::vector<Item> order(position.size());
+    std::vector<Item> order;
+    fill_watched(order, position.size(), monitor);
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = {position[i][0], static_cast<int>(i)};
     const auto compare = [&](const Item& a, const Item& b) {
         if (a.x != b.x) return a.x < b.x;

@@ -30,7 +30,7 @@ std::vector<double> edge_lengths(const TriangleMesh& mesh) {
     std::vector<double> sum(mesh.vertex_count(), 0.0), count(mesh.vertex_count(), 0.0);
     for (int h = 0; h < 3 * mesh.face_count(); ++h) {
         for (const int v : {mesh.from(h), mesh.to(h)}) {
-            sum[v] += mesh.view[h].length;
+            sum[v] += std::abs(mesh.edge(h));
             count[v] += 1.0;
         }
     }

@@ -38,7 +38,8 @@ struct Edges {
 
 /// \param monitor asked now and then. O(#F) where no vertex has very many triangles.
 inline Edges collect_edges(const std::vector<Corners>& face, Monitor& monitor) {
-    std::vector<EdgeItem> loose(3 * face.size());
+    std::vector<EdgeItem> loose;
+    fill_watched(loose, 3 * face.size(), monitor);
     const int halfedges = static_cast<int>(loose.size());
     int vertices = 0;
     for (int h = 0; h < halfedges; ++h) {

@@ -52,8 +52,8 @@ std::vector<Rim> find_rims(const TriangleMesh& mesh, Monitor& monitor) {
         for (int h = start; seen[h] == 0;) {
             seen[h] = 1;
             rim.halfedge.push_back(h);
-            rim.length += mesh.view[h].length;
-            rim.middle += 0.5 * mesh.view[h].length * (mesh.position[mesh.from(h)] + mesh.position[mesh.to(h)]);
+            rim.length += std::abs(mesh.edge(h));
+            rim.middle += 0.5 * std::abs(mesh.edge(h)) * (mesh.position[mesh.from(h)] + mesh.position[mesh.to(h)]);
             h = following(h);
             while (mesh.twin[h] >= 0) h = following(mesh.twin[h]);
         }
@@ -69,7 +69,7 @@ bool is_hole(const TriangleMesh& mesh, const Rim& rim) {
         const Vector3d &a = mesh.position[mesh.from(h)], &b = mesh.position[mesh.to(h)];
         const Vector3d way = (rim.middle - 0.5 * (a + b)).normalized();
         const double leads = (b - a).cross(mesh.normal[h / 3]).dot(way);
-        aside += mesh.view[h].length * std::abs(mesh.normal[h / 3].dot(way));
+        aside += std::abs(mesh.edge(h)) * std::abs(mesh.normal[h / 3].dot(way));
         towards += leads;
         either += std::abs(leads);
     }
@@ -120,8 +120,8 @@ class Closer {
             ring.vertex.push_back(mesh_.to(*h));
             ring.at.push_back(along / rim.length);
             outline.push_back(mesh_.position[mesh_.to(*h)]);
-            radius += (outline.back() - rim.middle).norm() * mesh_.view[*h].length / rim.length;
-            along += mesh_.view[*h].length;
+            radius += (outline.back() - rim.middle).norm() * std::abs(mesh_.edge(*h)) / rim.length;
+            along += std::abs(mesh_.edge(*h));
         }
         const std::vector<double> outline_at = ring.at;
         const int steps = std::max(1, static_cast<int>(std::lround(radius / spacing)));
@@ -239,6 +239,7 @@ class Closer {
 std::optional<TriangleMesh> with_holes_closed(const TriangleMesh& mesh, double longest, Monitor& monitor) {
     std::vector<double> root_area(mesh.component_count, 0.0);
     for (int f = 0; f < mesh.face_count(); ++f) {
+        if (f % often == 0) monitor.check();
         root_area[mesh.component[f]] += 0.5 * mesh.corner[f][1].real() * mesh.corner[f][2].imag();
     }
     for (double& a : root_area) a = std::sqrt(a);

@@ -21,7 +21,7 @@ constexpr int slices = 1 << 14;
 
 void connect(TriangleMesh& mesh, Monitor& monitor) {
     const Edges edges = collect_edges(mesh.face, monitor);
-    mesh.twin.assign(3 * mesh.face.size(), -1);
+    fill_watched(mesh.twin, 3 * mesh.face.size(), -1, monitor);
     int looked = 0;
     for (const EdgeGroup& group : edges.group) {
         if (looked++ % often == 0) monitor.check();
@@ -45,7 +45,8 @@ int find_root(std::vector<int>& parent, int i) {
 // Corners that are joined across an edge are one vertex; every further fan of a vertex gets a copy of it.
 void split_fans(TriangleMesh& mesh, const std::vector<Eigen::Vector3d>& position, Monitor& monitor) {
     const int corners = 3 * mesh.face_count();
-    std::vector<int> parent(corners);
+    std::vector<int> parent;
+    fill_watched(parent, corners, monitor);
     std::iota(parent.begin(), parent.end(), 0);
     for (int h = 0; h < corners; ++h) {
         const int g = mesh.twin[h];
@@ -59,23 +60,23 @@ void split_fans(TriangleMesh& mesh, const std::vector<Eigen::Vector3d>& position
         join(h, following(g));
         join(following(h), g);
     }
-    std::vector<int> old_vertex(corners);
-    for (int c = 0; c < corners; ++c) old_vertex[c] = mesh.face[c / 3][c % 3];
+    const auto old_vertex = [&](int c) { return mesh.face[c / 3][c % 3]; };
     // New vertices in the order of the old ones keep neighbours near each other in memory.
     std::vector<int> roots;
     for (int c = 0; c < corners; ++c) {
         if (c % often == 0) monitor.check();
         if (find_root(parent, c) == c) roots.push_back(c);
     }
-    roots = sort_by_buckets(
-        std::move(roots), static_cast<int>(position.size()), [&](int c) { return old_vertex[c]; }, std::less<int>(),
-        monitor);
-    std::vector<int> index(corners, -1);
+    roots = sort_by_buckets(std::move(roots), static_cast<int>(position.size()), old_vertex, std::less<int>(), monitor);
+    std::vector<int> index;
+    fill_watched(index, corners, -1, monitor);
+    mesh.position.reserve(roots.size());
+    mesh.input_vertex.reserve(roots.size());
     for (std::size_t i = 0; i < roots.size(); ++i) {
         if (i % often == 0) monitor.check();
         index[roots[i]] = static_cast<int>(i);
-        mesh.position.push_back(position[old_vertex[roots[i]]]);
-        mesh.input_vertex.push_back(old_vertex[roots[i]]);
+        mesh.position.push_back(position[old_vertex(roots[i])]);
+        mesh.input_vertex.push_back(old_vertex(roots[i]));
     }
     for (int c = 0; c < corners; ++c) {
         if (c % often == 0) monitor.check();
@@ -90,7 +91,7 @@ void collect_fans(TriangleMesh& mesh, Monitor& monitor) {
     }
     monitor.check();
     std::partial_sum(mesh.vertex_face_begin.begin(), mesh.vertex_face_begin.end(), mesh.vertex_face_begin.begin());
-    mesh.vertex_face.resize(3 * mesh.face.size());
+    fill_watched(mesh.vertex_face, 3 * mesh.face.size(), monitor);
     std::vector<int> next(mesh.vertex_face_begin.begin(), mesh.vertex_face_begin.end() - 1);
     for (int f = 0; f < mesh.face_count(); ++f) {
         if (f % often == 0) monitor.check();
@@ -100,17 +101,13 @@ void collect_fans(TriangleMesh& mesh, Monitor& monitor) {
 
 void measure(TriangleMesh& mesh, Monitor& monitor) {
     const int faces = mesh.face_count();
-    mesh.direction.resize(3 * faces);
-    mesh.view.resize(3 * faces);
-    monitor.check();
-    mesh.corner.resize(faces);
-    mesh.axis_x.resize(faces);
-    mesh.axis_y.resize(faces);
-    mesh.normal.resize(faces);
-    mesh.vertex_area.assign(mesh.vertex_count(), 0.0);
-    mesh.vertex_normal.assign(mesh.vertex_count(), Eigen::Vector3d::Zero());
-    mesh.on_boundary.assign(mesh.vertex_count(), 0);
-    monitor.check();
+    fill_watched(mesh.corner, faces, monitor);
+    for (auto* of_face : {&mesh.axis_x, &mesh.axis_y, &mesh.normal}) {
+        fill_watched(*of_face, faces, Eigen::Vector3d(Eigen::Vector3d::Zero()), monitor);
+    }
+    fill_watched(mesh.vertex_area, mesh.vertex_count(), 0.0, monitor);
+    fill_watched(mesh.vertex_normal, mesh.vertex_count(), Eigen::Vector3d(Eigen::Vector3d::Zero()), monitor);
+    fill_watched(mesh.on_boundary, mesh.vertex_count(), char{0}, monitor);
     mesh.area = 0.0;
     double edges = 0.0;
     for (int f = 0; f < faces; ++f) {
@@ -127,10 +124,7 @@ void measure(TriangleMesh& mesh, Monitor& monitor) {
         mesh.corner[f] = {Complex(0.0, 0.0), Complex(ab.norm(), 0.0),
                           Complex(ac.dot(mesh.axis_x[f]), ac.dot(mesh.axis_y[f]))};
         for (int k = 0; k < 3; ++k) {
-            const Complex e = mesh.corner[f][(k + 1) % 3] - mesh.corner[f][k];
-            mesh.view[3 * f + k].length = std::abs(e);
-            mesh.direction[3 * f + k] = e / std::abs(e);
-            edges += std::abs(e);
+            edges += std::abs(mesh.edge(3 * f + k));
             mesh.vertex_area[mesh.face[f][k]] += area / 3.0;
             mesh.vertex_normal[mesh.face[f][k]] += cross;
         }
@@ -139,11 +133,6 @@ void measure(TriangleMesh& mesh, Monitor& monitor) {
     for (auto& n : mesh.vertex_normal) n.normalize();
     for (int h = 0; h < 3 * faces; ++h) {
         if (h % often == 0) monitor.check();
-        const auto& corner = mesh.corner[h / 3];
-        const int next = following(h), last = following(next);
-        HalfedgeView& view = mesh.view[h];
-        view.apex = (corner[last % 3] - corner[h % 3]) * std::conj(mesh.direction[h]);
-        view.beyond = {mesh.twin[next], mesh.twin[last]};
         if (mesh.twin[h] >= 0) continue;
         mesh.on_boundary[mesh.from(h)] = 1;
         mesh.on_boundary[mesh.to(h)] = 1;
@@ -215,6 +204,26 @@ TriangleMesh build_mesh(const std::vector<Eigen::Vector3d>& position, const std:
     return build_mesh(position, face, input_face, input_order, Piece(silent, 0.0));
 }
 
+void measure_paths(TriangleMesh& mesh, Monitor& monitor) {
+    if (mesh.has_paths()) return;
+    std::vector<Complex> directions;
+    std::vector<HalfedgeView> views;
+    fill_watched(directions, mesh.twin.size(), monitor);
+    fill_watched(views, mesh.twin.size(), monitor);
+    for (int h = 0; h < 3 * mesh.face_count(); ++h) {
+        if (h % often == 0) monitor.check();
+        const auto& corner = mesh.corner[h / 3];
+        const int next = following(h), last = following(next);
+        const Complex edge = mesh.edge(h);
+        views[h].length = std::abs(edge);
+        directions[h] = edge / std::abs(edge);
+        views[h].apex = (corner[last % 3] - corner[h % 3]) * std::conj(directions[h]);
+        views[h].beyond = {mesh.twin[next], mesh.twin[last]};
+    }
+    mesh.direction = std::move(directions);
+    mesh.view = std::move(views);
+}
+
 TriangleMesh with_positions(const TriangleMesh& mesh, std::vector<Eigen::Vector3d> position, Monitor& monitor) {
     // All else is measured anew.
     TriangleMesh result;
@@ -269,16 +278,21 @@ TriangleMesh in_order_of_place(const TriangleMesh& mesh, const std::vector<Eigen
     order = sort_by_buckets(std::move(order), slices, slice, before, monitor);
     std::vector<int> index(mesh.vertex_count());
     TriangleMesh result;
+    result.position.reserve(order.size());
+    result.input_vertex.reserve(order.size());
     for (std::size_t v = 0; v < order.size(); ++v) {
+        if (v % often == 0) monitor.check();
         index[order[v]] = static_cast<int>(v);
         result.position.push_back(position[order[v]]);
         result.input_vertex.push_back(mesh.input_vertex[order[v]]);
     }
     monitor.check();
     // Every triangle from its lowest vertex on.
-    std::vector<std::array<int, 3>> face(mesh.face_count());
+    std::vector<std::array<int, 3>> face;
+    fill_watched(face, mesh.face.size(), monitor);
     std::vector<int> first(mesh.face_count());
     for (int f = 0; f < mesh.face_count(); ++f) {
+        if (f % often == 0) monitor.check();
         for (int k = 0; k < 3; ++k) face[f][k] = index[mesh.face[f][k]];
         first[f] = static_cast<int>(std::min_element(face[f].begin(), face[f].end()) - face[f].begin());
         std::rotate(face[f].begin(), face[f].begin() + first[f], face[f].end());
@@ -288,10 +302,14 @@ TriangleMesh in_order_of_place(const TriangleMesh& mesh, const std::vector<Eigen
     order = sort_by_buckets(
         std::move(order), mesh.vertex_count(), [&](int f) { return face[f][0]; },
         [&](int a, int b) { return std::tie(face[a], a) < std::tie(face[b], b); }, monitor);
+    monitor.check();
     std::vector<int> place(mesh.face_count());
     for (std::size_t f = 0; f < order.size(); ++f) place[order[f]] = static_cast<int>(f);
     const auto halfedge = [&](int h) { return 3 * place[h / 3] + (h % 3 + 3 - first[h / 3]) % 3; };
-    result.twin.resize(mesh.twin.size());
+    fill_watched(result.twin, mesh.twin.size(), monitor);
+    result.face.reserve(order.size());
+    result.input_face.reserve(order.size());
+    result.input_order.reserve(order.size());
     for (std::size_t f = 0; f < order.size(); ++f) {
         const int old = order[f];
         if (f % often == 0) monitor.check();

@@ -27,7 +27,8 @@ struct HalfedgeView {
     std::array<int, 2> beyond{-1, -1};
 };
 
-/// An oriented manifold triangle mesh with everything that walking over it needs.
+/// An oriented manifold triangle mesh with everything that the stages need, and with paths() everything that walking
+/// over it needs.
 ///
 /// Half-edge 3 f + k runs from corner k to corner k + 1 of triangle f. Vertices with several fans are split, so
 /// every vertex has one fan; edges of more than two triangles are open.
@@ -36,9 +37,10 @@ struct TriangleMesh {
     std::vector<std::array<int, 3>> face;
     /// Per half-edge the opposite one, -1 on the boundary.
     std::vector<int> twin;
-    /// Per half-edge its unit direction in its triangle's frame.
+    /// For traces and windows, per half-edge; without elements before measure_paths(). Of a mesh of a million vertices
+    /// they would be two fifths of the whole, and nobody walks there.
+    /// Its unit direction in its triangle's frame.
     std::vector<Complex> direction;
-    /// Per half-edge.
     std::vector<HalfedgeView> view;
     /// Per triangle the corners in its frame; the first is 0.
     std::vector<std::array<Complex, 3>> corner;
@@ -61,6 +63,7 @@ struct TriangleMesh {
     /// Per triangle how its corners stand to the input's, see input_corner(): the first, plus 3 if they run against it.
     std::vector<char> input_order;
 
+    [[nodiscard]] bool has_paths() const { return !view.empty() || face.empty(); }
     [[nodiscard]] int vertex_count() const { return static_cast<int>(position.size()); }
     [[nodiscard]] int face_count() const { return static_cast<int>(face.size()); }
     /// The input's corner that is corner k of triangle f.
@@ -70,21 +73,30 @@ struct TriangleMesh {
     }
     [[nodiscard]] int from(int halfedge) const { return face[halfedge / 3][halfedge % 3]; }
     [[nodiscard]] int to(int halfedge) const { return face[halfedge / 3][(halfedge % 3 + 1) % 3]; }
+    /// The half-edge as a vector in its triangle's frame.
+    [[nodiscard]] Complex edge(int halfedge) const {
+        const auto& c = corner[halfedge / 3];
+        return c[(halfedge % 3 + 1) % 3] - c[halfedge % 3];
+    }
 };
 
 /// Connect, split and measure a triangle soup whose triangles have an area and a common winding.
 ///
 /// \param position #V. \param face indices into it. \param input_face, input_order per triangle, passed on.
 /// Vertices no triangle uses are dropped; `input_vertex` refers to `position`. O(#F).
-/// \throw Cancelled if `progress` says so.
+/// Without paths. \throw Cancelled if `progress` says so.
 TriangleMesh build_mesh(const std::vector<Eigen::Vector3d>& position, const std::vector<std::array<int, 3>>& face,
                         const std::vector<int>& input_face, const std::vector<char>& input_order, Piece progress);
+
+/// Let traces and windows walk over the mesh; nothing if they can already. O(#F).
+/// \throw Cancelled if `monitor` asks for it: the mesh is then as it was.
+void measure_paths(TriangleMesh& mesh, Monitor& monitor);
 
 /// The same, of small meshes.
 TriangleMesh build_mesh(const std::vector<Eigen::Vector3d>& position, const std::vector<std::array<int, 3>>& face,
                         const std::vector<int>& input_face, const std::vector<char>& input_order);
 
-/// The same mesh with its vertices in other places, in which every triangle has an area.
+/// The same mesh with its vertices in other places, in which every triangle has an area. Without paths.
 /// \param position per vertex. \throw Cancelled if `monitor` asks for it.
 TriangleMesh with_positions(const TriangleMesh& mesh, std::vector<Eigen::Vector3d> position, Monitor& monitor);
 
@@ -98,7 +110,7 @@ TriangleMesh in_order_of_place(const TriangleMesh& mesh, const std::vector<Eigen
 /// An order of corners turned round: corners 1 and 2 of a triangle change places.
 constexpr char reversed_order(char order) { return static_cast<char>((order + 3) % 6); }
 
-/// The same mesh with all lengths multiplied by `factor`.
+/// The same mesh with all lengths multiplied by `factor`; with paths if it has them.
 TriangleMesh scaled(const TriangleMesh& mesh, double factor);
 
 }  // namespace isograft

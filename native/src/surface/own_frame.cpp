@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "base/complex.h"
+#include "base/sorting.h"
 #include "isograft/monitor.h"
 
 namespace isograft {
@@ -18,7 +19,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr int often = 1 << 16;
 constexpr double single_precision = 0x1.0p-23;
 // Of a triangle's height that its corners may be rounded to.
 constexpr double most_grain = 1e-2;
@@ -31,13 +31,14 @@ struct Frame {
     double radius = 0.0;
 };
 
-Frame frame_of(const TriangleMesh& mesh) {
+Frame frame_of(const TriangleMesh& mesh, Monitor& monitor) {
     Frame frame;
     double weight = 0.0;
     for (int v = 0; v < mesh.vertex_count(); ++v) {
         frame.centre += mesh.vertex_area[v] * mesh.position[v];
         weight += mesh.vertex_area[v];
     }
+    monitor.check();
     frame.centre /= weight;
     Matrix3d spread = Matrix3d::Zero();
     for (int v = 0; v < mesh.vertex_count(); ++v) {
@@ -45,6 +46,7 @@ Frame frame_of(const TriangleMesh& mesh) {
         spread += mesh.vertex_area[v] * x * x.transpose();
         frame.radius = std::max(frame.radius, x.norm());
     }
+    monitor.check();
     const Eigen::SelfAdjointEigenSolver<Matrix3d> solver(spread / weight);
     frame.turn = solver.eigenvectors().transpose();
     Vector3d skew = Vector3d::Zero();
@@ -67,11 +69,12 @@ Frame frame_of(const TriangleMesh& mesh) {
 double power_of_two_below(double x) { return std::exp2(std::floor(std::log2(x))); }
 
 // What each vertex is rounded to: a power of two, so that quotients by it are exact. Thin triangles bear less.
-std::vector<double> grains(const TriangleMesh& mesh, double radius) {
+std::vector<double> grains(const TriangleMesh& mesh, double radius, Monitor& monitor) {
     std::vector<double> grain(mesh.vertex_count(), power_of_two_below(radius) * single_precision);
     for (int f = 0; f < mesh.face_count(); ++f) {
+        if (f % often == 0) monitor.check();
         const double longest =
-            std::max({mesh.view[3 * f].length, mesh.view[3 * f + 1].length, mesh.view[3 * f + 2].length});
+            std::max({std::abs(mesh.edge(3 * f)), std::abs(mesh.edge(3 * f + 1)), std::abs(mesh.edge(3 * f + 2))});
         const double height = cross(mesh.corner[f][1], mesh.corner[f][2]) / longest;
         for (const int v : mesh.face[f]) {
             if (grain[v] > most_grain * height) grain[v] = power_of_two_below(most_grain * height);
@@ -84,9 +87,9 @@ std::vector<double> grains(const TriangleMesh& mesh, double radius) {
 
 TriangleMesh in_own_frame(const TriangleMesh& mesh, Monitor& monitor) {
     monitor.check();
-    const Frame frame = frame_of(mesh);
+    const Frame frame = frame_of(mesh, monitor);
     monitor.check();
-    const std::vector<double> grain = grains(mesh, frame.radius);
+    const std::vector<double> grain = grains(mesh, frame.radius, monitor);
     std::vector<Vector3d> place(mesh.vertex_count());
     for (int v = 0; v < mesh.vertex_count(); ++v) {
         if (v % often == 0) monitor.check();

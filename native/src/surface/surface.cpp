@@ -2,6 +2,7 @@
 #include "isograft/surface.h"
 
 #include <cmath>
+#include <mutex>
 #include <utility>
 
 #include "base/piece.h"
@@ -54,20 +55,19 @@ Surface Surface::from_mesh(Points vertices, Triangles faces, Monitor* monitor, d
     Surface surface;
     Soup soup = clean(vertices, faces, progress.until(0.35));
     orient(soup, progress.until(0.55));
-    auto mesh = std::make_shared<TriangleMesh>(
-        build_mesh(soup.position, soup.face, soup.input_face, soup.input_order, progress.until(0.9)));
+    TriangleMesh mesh = build_mesh(soup.position, soup.face, soup.input_face, soup.input_order, progress.until(0.9));
     surface.warnings_ = std::move(soup.warnings);
-    warn(surface.warnings_, split_vertices(*mesh), "vertex was split where the surface touches itself.",
+    warn(surface.warnings_, split_vertices(mesh), "vertex was split where the surface touches itself.",
          "vertices were split where the surface touches itself.");
     for (const ComponentSide& side :
-         component_sides(soup.position, input_corners(*mesh), mesh->component, mesh->component_count, watcher)) {
+         component_sides(soup.position, input_corners(mesh), mesh.component, mesh.component_count, watcher)) {
         const bool clear = side.closed || side.bulge > clear_bulge * std::pow(side.area, 1.5);
-        surface.ambiguous_ = surface.ambiguous_ || (!clear && side.area > ambiguous_share * mesh->area);
-        surface.closed_ = surface.closed_ && (side.closed || side.area < ambiguous_share * mesh->area);
+        surface.ambiguous_ = surface.ambiguous_ || (!clear && side.area > ambiguous_share * mesh.area);
+        surface.closed_ = surface.closed_ && (side.closed || side.area < ambiguous_share * mesh.area);
     }
-    surface.vertices_ = std::move(vertices);
-    surface.faces_ = std::move(faces);
-    surface.mesh_ = std::move(mesh);
+    surface.vertices_ = std::make_shared<Points>(std::move(vertices));
+    surface.faces_ = std::make_shared<Triangles>(std::move(faces));
+    surface.set_mesh(std::move(mesh));
     progress.reach(1.0);
     return surface;
 }
@@ -81,18 +81,38 @@ Surface Surface::from_points(Points vertices, const Points& normals, Monitor* mo
     surface.warnings_ = std::move(cloud.warnings);
     surface.cloud_vertex_ = std::move(cloud.vertex);
     surface.normals_ = std::move(cloud.normals);
-    surface.mesh_ = std::make_shared<TriangleMesh>(std::move(cloud.mesh));
-    surface.faces_.resize(0, 3);
-    surface.vertices_ = std::move(vertices);
+    surface.set_mesh(std::move(cloud.mesh));
+    surface.faces_ = std::make_shared<Triangles>(0, 3);
+    surface.vertices_ = std::make_shared<Points>(std::move(vertices));
     return surface;
+}
+
+// Copies of a surface share it.
+struct Surface::Paths {
+    std::once_flag measured;
+    TriangleMesh mesh;
+};
+
+void Surface::set_mesh(TriangleMesh mesh) {
+    mesh_ = std::make_shared<TriangleMesh>(std::move(mesh));
+    paths_ = std::make_shared<Paths>();
+}
+
+const TriangleMesh& Surface::mesh_with_paths() const {
+    std::call_once(paths_->measured, [&] {
+        Monitor silent;
+        paths_->mesh = *mesh_;
+        measure_paths(paths_->mesh, silent);
+    });
+    return paths_->mesh;
 }
 
 Surface Surface::with_open_parts_reversed(Monitor* monitor) const {
     Monitor silent;
     Monitor& watcher = monitor != nullptr ? *monitor : silent;
     if (is_cloud_) return reversed_cloud();
-    std::vector<Eigen::Vector3d> position(vertices_.rows());
-    for (Eigen::Index v = 0; v < vertices_.rows(); ++v) position[v] = vertices_.row(v);
+    std::vector<Eigen::Vector3d> position(vertices_->rows());
+    for (Eigen::Index v = 0; v < vertices_->rows(); ++v) position[v] = vertices_->row(v);
     // The mesh may be smoother than what was given.
     for (int v = 0; v < mesh_->vertex_count(); ++v) position[mesh_->input_vertex[v]] = mesh_->position[v];
     std::vector<Corners> face = input_corners(*mesh_);
@@ -105,14 +125,13 @@ Surface Surface::with_open_parts_reversed(Monitor* monitor) const {
         order[f] = reversed_order(order[f]);
     }
     Surface surface = *this;
-    surface.mesh_ =
-        std::make_shared<TriangleMesh>(build_mesh(position, face, mesh_->input_face, order, Piece(watcher, 0.0)));
+    surface.set_mesh(build_mesh(position, face, mesh_->input_face, order, Piece(watcher, 0.0)));
     return surface;
 }
 
 Surface Surface::denoised(double support, Monitor& monitor) const {
     Surface surface = *this;
-    if (!is_cloud_) surface.mesh_ = std::make_shared<TriangleMesh>(isograft::denoised(*mesh_, support, monitor));
+    if (!is_cloud_) surface.set_mesh(isograft::denoised(*mesh_, support, monitor));
     return surface;
 }
 
@@ -120,7 +139,7 @@ Surface Surface::in_own_frame(Monitor& monitor) const {
     Surface surface = *this;
     // The mesh over a cloud hangs on how it lay, and results are points of it.
     if (is_cloud_) return surface;
-    surface.mesh_ = std::make_shared<TriangleMesh>(isograft::in_own_frame(*mesh_, monitor));
+    surface.set_mesh(isograft::in_own_frame(*mesh_, monitor));
     return surface;
 }
 
@@ -128,7 +147,7 @@ Surface Surface::with_holes_closed(double longest, Monitor& monitor) const {
     Surface surface = *this;
     if (is_cloud_ || longest == 0.0) return surface;
     if (auto closed = isograft::with_holes_closed(*mesh_, longest, monitor)) {
-        surface.mesh_ = std::make_shared<TriangleMesh>(std::move(*closed));
+        surface.set_mesh(std::move(*closed));
     }
     return surface;
 }
@@ -147,8 +166,7 @@ Surface Surface::reversed_cloud() const {
     std::vector<Corners> face = mesh_->face;
     for (Corners& f : face) std::swap(f[1], f[2]);
     Surface surface = *this;
-    surface.mesh_ =
-        std::make_shared<TriangleMesh>(build_mesh(mesh_->position, face, mesh_->input_face, mesh_->input_order));
+    surface.set_mesh(build_mesh(mesh_->position, face, mesh_->input_face, mesh_->input_order));
     surface.normals_ = -normals_;
     return surface;
 }

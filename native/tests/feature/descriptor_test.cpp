@@ -206,7 +206,7 @@ TEST(Descriptor, HiddenSectorDoesNotChangeTheVisibleCells) {
     const double near = 0.25 * options.radius * unit_length;
     const auto cut = shapes::cut(shape, [&](const Eigen::Vector3d& c) { return (c - x).dot(side) < near; });
     const Surface surface = gate(cut);
-    const TriangleMesh& mesh = surface.mesh();
+    const TriangleMesh& mesh = surface.mesh_with_paths();
     const auto found = std::find_if(mesh.input_face.begin(), mesh.input_face.end(),
                                     [&](int f) { return cut.faces.row(f) == shape.faces.row(face); });
     ASSERT_NE(found, mesh.input_face.end());

@@ -99,7 +99,7 @@ TEST(Shoot, FindsNothingAcrossABoundary) {
         return std::abs(c.x() - 1.05) > 0.05 || c.y() < 0.5;
     });
     const Surface surface = Surface::from_mesh(slit.vertices, slit.faces);
-    const TriangleMesh& mesh = surface.mesh();
+    const TriangleMesh& mesh = surface.mesh_with_paths();
     const SurfacePoint from = shapes::point_nearest(mesh, {0.43, 1.51, 0.0}),
                        to = shapes::point_nearest(mesh, {1.62, 1.47, 0.0});
     const Complex across = flatten(mesh, from.face, position(mesh, to) - position(mesh, from));

@@ -192,7 +192,7 @@ TEST(Window, MarksVerticesInTheShadowOfAHole) {
         return (c - Eigen::Vector3d(2.0, 2.0, 0.0)).norm() > 0.55;
     });
     const Surface surface = gate(shape);
-    const TriangleMesh& mesh = surface.mesh();
+    const TriangleMesh& mesh = surface.mesh_with_paths();
     const SurfacePoint centre = shapes::point_nearest(mesh, {0.933, 2.017, 0.0});
     Window window(mesh);
     window.run(centre, 2.5);

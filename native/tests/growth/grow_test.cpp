@@ -27,7 +27,7 @@ struct Scene {
     SampledMesh target;
 
     Scene(const shapes::Shape& a, const shapes::Shape& b, int samples)
-        : source_mesh(gate(a).mesh()), target{gate(b).mesh(), {}} {
+        : source_mesh(gate(a).mesh_with_paths()), target{gate(b).mesh_with_paths(), {}} {
         const double spacing = sample_spacing(source_mesh.area, samples);
         source = sample(source_mesh, spacing, 0);
         target.samples = sample(target.mesh, spacing, 1);

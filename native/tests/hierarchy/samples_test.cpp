@@ -133,7 +133,7 @@ TEST(Samples, AreNotJoinedAcrossSheetsThatLieClose) {
         strip.vertices(v, 2) = r * std::sin(turn);
     }
     const Surface surface = gate(strip);
-    const TriangleMesh& mesh = surface.mesh();
+    const TriangleMesh& mesh = surface.mesh_with_paths();
     const Samples samples = sample(mesh, 300);
     int sheets[2] = {0, 0};
     for (const SampleEdge& e : samples.edges) {

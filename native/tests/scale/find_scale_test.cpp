@@ -18,7 +18,7 @@ ScaleVotes votes(const shapes::Shape& a, const shapes::Shape& b, int threads = 2
     ScaleOptions options;
     options.votes = 40;
     Monitor monitor;
-    return vote_scale(gate(a).mesh(), gate(b).mesh(), {}, options, 3, threads, monitor, 0.0, 1.0);
+    return vote_scale(gate(a).mesh_with_paths(), gate(b).mesh_with_paths(), {}, options, 3, threads, monitor, 0.0, 1.0);
 }
 
 const shapes::Shape& body() {
@@ -56,7 +56,7 @@ TEST(VoteScale, IsEqualBitForBitForAnyNumberOfThreads) {
 TEST(VoteScale, StopsWhenCancelled) {
     Monitor monitor;
     monitor.cancel();
-    const TriangleMesh mesh = gate(body()).mesh();
+    const TriangleMesh mesh = gate(body()).mesh_with_paths();
     EXPECT_THROW(vote_scale(mesh, mesh, {}, {}, 0, 2, monitor, 0.0, 1.0), Cancelled);
 }
 

@@ -37,7 +37,8 @@ shapes::Shape moved(const shapes::Shape& shape) { return shapes::moved(shape, sh
 TEST(Setting, FindsACommonUnitEitherWayWhereVotesOfTheWholeGoAstray) {
     const shapes::Shape ragged = moved(holed(13.0, 0.0, 1.1));
     Monitor monitor;
-    const ScaleVotes astray = vote_scale(gate(body()).mesh(), gate(ragged).mesh(), {}, {}, 4, 2, monitor, 0.0, 1.0);
+    const ScaleVotes astray =
+        vote_scale(gate(body()).mesh_with_paths(), gate(ragged).mesh_with_paths(), {}, {}, 4, 2, monitor, 0.0, 1.0);
     ASSERT_GT(std::abs(std::log(astray.by_fit)), 0.5);
     EXPECT_DOUBLE_EQ(scale_found(ragged, body()), 1.0);
     EXPECT_DOUBLE_EQ(scale_found(body(), ragged), 1.0);
@@ -46,7 +47,8 @@ TEST(Setting, FindsACommonUnitEitherWayWhereVotesOfTheWholeGoAstray) {
 TEST(Setting, KeepsACommonUnitWhereHolesOnBothSidesMakeAnotherFitALittleBetter) {
     const shapes::Shape one = holed(7.0, 0.0, 0.7), other = moved(holed(8.4, 0.7, 0.7));
     Monitor monitor;
-    const ScaleVotes astray = vote_scale(gate(one).mesh(), gate(other).mesh(), {}, {}, 4, 2, monitor, 0.0, 1.0);
+    const ScaleVotes astray =
+        vote_scale(gate(one).mesh_with_paths(), gate(other).mesh_with_paths(), {}, {}, 4, 2, monitor, 0.0, 1.0);
     ASSERT_GT(std::abs(std::log(astray.by_fit)), 0.5);
     EXPECT_DOUBLE_EQ(scale_found(one, other), 1.0);
 }

@@ -29,7 +29,7 @@ struct Relative {
 // left out, since there the height of noise alone is a per cent.
 Relative distance_errors(const Surface& surface, const Eigen::Vector3d& start,
                          const std::function<double(const Eigen::Vector3d&)>& truth) {
-    const TriangleMesh& mesh = surface.mesh();
+    const TriangleMesh& mesh = surface.mesh_with_paths();
     Window window(mesh);
     window.run(shapes::point_nearest(mesh, start), 1e9);
     double farthest = 0.0;
@@ -75,12 +75,12 @@ TEST(Cloud, HasTheDistancesOfACylinder) {
 
 TEST(Cloud, HasTheDistancesOfATorusAlongItsMeridians) {
     const Surface cloud = Surface::from_points(clouds::sampled(clouds::torus(), count, 0.2, 8));
-    Window window(cloud.mesh());
-    window.run(shapes::point_nearest(cloud.mesh(), {1.4, 0.0, 0.0}), 1e9);
+    Window window(cloud.mesh_with_paths());
+    window.run(shapes::point_nearest(cloud.mesh_with_paths(), {1.4, 0.0, 0.0}), 1e9);
     double sum = 0.0;
     for (const double angle : {0.8, 1.6, 2.4}) {
         const Eigen::Vector3d x(1.0 + 0.4 * std::cos(angle), 0.0, 0.4 * std::sin(angle));
-        const auto found = window.query(shapes::point_nearest(cloud.mesh(), x));
+        const auto found = window.query(shapes::point_nearest(cloud.mesh_with_paths(), x));
         ASSERT_TRUE(found);
         // Noise is left at both ends.
         EXPECT_NEAR(found->distance / (0.4 * angle), 1.0, 0.05) << angle;

@@ -20,7 +20,9 @@ namespace {
 TriangleMesh closed(const shapes::Shape& shape, double longest = 0.5) {
     Monitor monitor;
     const Surface surface = gate(shape);
-    return with_holes_closed(surface.mesh(), longest, monitor).value_or(surface.mesh());
+    TriangleMesh mesh = with_holes_closed(surface.mesh(), longest, monitor).value_or(surface.mesh());
+    measure_paths(mesh, monitor);
+    return mesh;
 }
 
 int boundary_edges(const TriangleMesh& mesh) {
@@ -71,7 +73,7 @@ TEST(Holes, KeepWhatIsAroundThem) {
 }
 
 TEST(Holes, InAPlaneAreClosedInItAndDistancesCrossThem) {
-    const TriangleMesh before = gate(plane_with_a_hole()).mesh(), after = closed(plane_with_a_hole());
+    const TriangleMesh before = gate(plane_with_a_hole()).mesh_with_paths(), after = closed(plane_with_a_hole());
     EXPECT_EQ(boundary_edges(after), 240);
     for (const auto& x : after.position) EXPECT_NEAR(x.z(), 0.0, 1e-9);
     const auto at = [](const TriangleMesh& mesh, double x, double y) {

@@ -1,15 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "isograft/surface.h"
 
+#include <complex>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
+#include "base/complex.h"
 #include "gate.h"
 #include "isograft/errors.h"
 #include "shapes.h"
 #include "surface/clean.h"
+#include "surface/edges.h"
+#include "surface/mesh.h"
 
 namespace isograft {
 namespace {
@@ -28,6 +33,49 @@ TEST(Surface, LeavesACleanMeshAsItIs) {
     EXPECT_EQ(surface.mesh().component_count, 1);
     expect_manifold(surface.mesh());
     expect_indexed_by_input(surface);
+}
+
+TEST(Surface, SharesItsContentsWithItsCopies) {
+    const Surface surface = gate(shapes::blob(2));
+    const std::vector<Surface> copies(2, surface);
+    EXPECT_EQ(copies[1].vertices().data(), surface.vertices().data());
+    EXPECT_EQ(copies[1].faces().data(), surface.faces().data());
+    EXPECT_EQ(&copies[1].mesh(), &surface.mesh());
+    EXPECT_EQ(&copies[1].mesh_with_paths(), &surface.mesh_with_paths());
+}
+
+TEST(Surface, MeasuresPathsOnlyWhereTheyAreAskedFor) {
+    const Surface surface = gate(shapes::blob(2));
+    EXPECT_FALSE(surface.mesh().has_paths());
+    const TriangleMesh& mesh = surface.mesh_with_paths();
+    EXPECT_FALSE(surface.mesh().has_paths());
+    ASSERT_TRUE(mesh.has_paths());
+    EXPECT_EQ(mesh.position, surface.mesh().position);
+    ASSERT_EQ(mesh.view.size(), mesh.twin.size());
+    ASSERT_EQ(mesh.direction.size(), mesh.twin.size());
+    for (int h = 0; h < 3 * mesh.face_count(); ++h) {
+        const HalfedgeView& view = mesh.view[h];
+        EXPECT_NEAR(view.length, (mesh.position[mesh.to(h)] - mesh.position[mesh.from(h)]).norm(), 1e-14);
+        EXPECT_NEAR(std::abs(view.length * mesh.direction[h] - mesh.edge(h)), 0.0, 1e-14);
+        EXPECT_NEAR(0.5 * view.length * view.apex.imag(), 0.5 * cross(mesh.corner[h / 3][1], mesh.corner[h / 3][2]),
+                    1e-14);
+        EXPECT_EQ(view.beyond[0], mesh.twin[following(h)]);
+        EXPECT_EQ(view.beyond[1], mesh.twin[following(following(h))]);
+    }
+    // A surface with another mesh has other paths.
+    Monitor monitor;
+    const Surface moved = surface.in_own_frame(monitor);
+    EXPECT_EQ(moved.mesh_with_paths().position, moved.mesh().position);
+    EXPECT_NE(moved.mesh_with_paths().position, mesh.position);
+}
+
+TEST(Surface, LeavesTheMeshAsItWasWhereMeasuringItsPathsIsStopped) {
+    TriangleMesh mesh = gate(shapes::blob(2)).mesh();
+    Monitor stopped;
+    stopped.cancel();
+    EXPECT_THROW(measure_paths(mesh, stopped), Cancelled);
+    EXPECT_FALSE(mesh.has_paths());
+    EXPECT_TRUE(mesh.direction.empty());
 }
 
 TEST(Surface, RefusesNothing) {
