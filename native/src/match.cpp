@@ -291,7 +291,8 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
     const double search = costs.search(points) + perhaps;
     std::vector<Surface> surfaces = working_surfaces(source, target, options, watcher);
     lap("surface", 0);
-    PreparedPair prepared = prepare_pair(surfaces[0], surfaces[1], options, report, watcher, 0.0, 1.0, search);
+    PreparedPair prepared =
+        prepare_pair(std::move(surfaces[0]), std::move(surfaces[1]), options, report, watcher, 0.0, 1.0, search);
     surfaces.clear();
     Pair& pair = prepared.pair;
     watch.lap();

@@ -9,11 +9,11 @@
 namespace isograft {
 
 std::int64_t estimated_memory(const MeshSize& source, const MeshSize& target, const MatchOptions& options) {
-    // The gate's mesh, the working one and for a while one whose holes are closed, sorting and coarsening, which two
-    // surfaces may go through at once.
-    constexpr std::int64_t per_vertex = 400, per_triangle = 410;
+    // The gate's mesh and the working one, for a while also that with closed holes, which takes its place; sorting and
+    // coarsening, which two surfaces may go through at once.
+    constexpr std::int64_t per_vertex = 400, per_triangle = 440;
     // Descriptors, edges, trials; every probe holds a map of all samples, every thread a grower.
-    constexpr std::int64_t per_sample = 40'000, per_sample_and_probe = 80, per_sample_and_thread = 4'000;
+    constexpr std::int64_t per_sample = 55'000, per_sample_and_probe = 80, per_sample_and_thread = 4'000;
     constexpr std::int64_t program = 10'000'000;
     const std::int64_t samples = options.hierarchy.samples;
     const std::int64_t threads = worker_count(options.threads);

@@ -68,16 +68,19 @@ struct Work {
 Detail work_detail(const Surface& surface, double factor, int vertices, const std::string& name, MatchReport& report,
                    Monitor& monitor) {
     Detail detail{surface, factor, {}};
-    TriangleMesh fine = surface.mesh();
-    measure_paths(fine, monitor);
-    fine = scaled(fine, factor);
-    detail.coarse.mesh = fine;
-    if (fine.vertex_count() > vertices) {
+    const int given = surface.mesh().vertex_count();
+    if (given > vertices) {
+        const TriangleMesh fine = scaled(surface.mesh(), factor);
         // An even mesh of equilateral triangles has two of them a vertex.
         detail.coarse = coarsen(fine, std::sqrt(fine.area / (0.866 * vertices)), monitor, 1.0);
+    } else {
+        // Paths first, as everywhere: measured on the scaled mesh they would be rounded otherwise.
+        detail.coarse.mesh = surface.mesh();
+        measure_paths(detail.coarse.mesh, monitor);
+        detail.coarse.mesh = scaled(detail.coarse.mesh, factor);
     }
     if (!detail.coarse.fine_vertex.empty()) {
-        report.warnings.push_back(name + ": decimated from " + std::to_string(fine.vertex_count()) + " to " +
+        report.warnings.push_back(name + ": decimated from " + std::to_string(given) + " to " +
                                   std::to_string(detail.coarse.mesh.vertex_count()) +
                                   " vertices for preset paper; set paper_vertices for another size");
     }

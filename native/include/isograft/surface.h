@@ -61,14 +61,14 @@ class Surface {
     /// A point cloud: results have no triangles of the caller's.
     [[nodiscard]] bool is_cloud() const { return is_cloud_; }
     /// Of a point cloud, #V by 3: unit normals of the smoothed surface, outward; NaN for points left out. Else no rows.
-    [[nodiscard]] const Points& normals() const { return normals_; }
+    [[nodiscard]] const Points& normals() const { return *normals_; }
     /// Of a point cloud, per point its nearest vertex of mesh() on its own sheet, -1 if it was left out (internal).
-    [[nodiscard]] const std::vector<int>& cloud_vertex() const { return cloud_vertex_; }
+    [[nodiscard]] const std::vector<int>& cloud_vertex() const { return *cloud_vertex_; }
     /// Vertices and triangles of the mesh the stages work on, outward: the repaired one, or the one laid over a cloud.
     [[nodiscard]] std::pair<Points, Triangles> working_mesh() const;
     /// The repaired mesh the stages work on; over a point cloud, one made for it (internal).
     [[nodiscard]] const TriangleMesh& mesh() const { return *mesh_; }
-    /// mesh() as paths ask for it, measured at the first call and kept (internal). From any thread.
+    /// A copy of mesh() with what traces and windows need, made at the first call and kept (internal). From any thread.
     [[nodiscard]] const TriangleMesh& mesh_with_paths() const;
     /// The same surface with its open components turned over (internal: both sides are tried, consensus decides).
     [[nodiscard]] Surface with_open_parts_reversed(Monitor* monitor = nullptr) const;
@@ -87,14 +87,14 @@ class Surface {
     [[nodiscard]] Surface reversed_cloud() const;
     void set_mesh(TriangleMesh mesh);
 
-    std::shared_ptr<const Points> vertices_;
-    std::shared_ptr<const Triangles> faces_;
+    std::shared_ptr<const Points> vertices_ = std::make_shared<Points>(0, 3);
+    std::shared_ptr<const Triangles> faces_ = std::make_shared<Triangles>(0, 3);
     std::vector<std::string> warnings_;
     bool ambiguous_ = false;
     bool closed_ = true;
     bool is_cloud_ = false;
-    Points normals_{0, 3};
-    std::vector<int> cloud_vertex_;
+    std::shared_ptr<const Points> normals_ = std::make_shared<Points>(0, 3);
+    std::shared_ptr<const std::vector<int>> cloud_vertex_ = std::make_shared<std::vector<int>>();
     std::shared_ptr<const TriangleMesh> mesh_;
     std::shared_ptr<Paths> paths_;
 };

@@ -13,7 +13,7 @@ namespace isograft {
 constexpr int often = 1 << 16;
 
 /// std::vector::assign that asks `monitor` now and then: memory that is touched for the first time takes longer than
-/// most of what is done with it. \throw Cancelled.
+/// most of what is done with it. \throw Cancelled, with part of the items.
 template <class T>
 void fill_watched(std::vector<T>& items, std::size_t count, const T& value, Monitor& monitor) {
     items.clear();
@@ -30,7 +30,7 @@ void fill_watched(std::vector<T>& items, std::size_t count, Monitor& monitor) {
     fill_watched(items, count, T{}, monitor);
 }
 
-/// items = from; asks as fill_watched() does.
+/// items = from, which is another vector; asks as fill_watched() does. \throw Cancelled, with part of the items.
 template <class T>
 void copy_watched(std::vector<T>& items, const std::vector<T>& from, Monitor& monitor) {
     items.clear();

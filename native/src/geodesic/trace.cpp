@@ -2,6 +2,7 @@
 #include "geodesic/trace.h"
 
 #include <algorithm>
+#include <cassert>
 #include <limits>
 
 namespace isograft {
@@ -13,6 +14,7 @@ constexpr double least_slope = 1e-14;
 
 Walker::Walker(const TriangleMesh& mesh, const SurfacePoint& start, Complex direction)
     : mesh_(&mesh), base_(3 * start.face), direction_(unit(direction)) {
+    assert(mesh.has_paths());
     begin(planar(mesh, start));
 }
 

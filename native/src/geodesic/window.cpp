@@ -182,14 +182,15 @@ std::optional<Polar> Window::query(const SurfacePoint& point) const {
 Eigen::VectorXd geodesic_distances(const Surface& surface, int face, const Eigen::Vector3d& barycentric,
                                    double radius) {
     if (!(radius > 0.0)) throw InvalidInput("radius must be positive, not " + std::to_string(radius));
-    const TriangleMesh& mesh = surface.mesh_with_paths();
-    const auto found = std::find(mesh.input_face.begin(), mesh.input_face.end(), face);
-    if (face < 0 || face >= surface.faces().rows() || found == mesh.input_face.end()) {
+    const std::vector<int>& input_face = surface.mesh().input_face;
+    const auto found = std::find(input_face.begin(), input_face.end(), face);
+    if (face < 0 || face >= surface.faces().rows() || found == input_face.end()) {
         throw InvalidInput("face " + std::to_string(face) +
                            " is out of range or was left out as repeated or without area; choose another");
     }
+    const TriangleMesh& mesh = surface.mesh_with_paths();
     SurfacePoint centre;
-    centre.face = static_cast<int>(found - mesh.input_face.begin());
+    centre.face = static_cast<int>(found - input_face.begin());
     for (int k = 0; k < 3; ++k) centre.weight[k] = barycentric[mesh.input_corner(centre.face, k)];
     Window window(mesh);
     constexpr double infinity = std::numeric_limits<double>::infinity();

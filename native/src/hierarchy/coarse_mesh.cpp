@@ -25,7 +25,7 @@ constexpr double shape_weight = 3.0;
 constexpr double least_turn = 0.5;
 constexpr double least_quality = 0.2;
 // Steps between two looks at the monitor.
-constexpr int often = 4096;
+constexpr int steps_between = 4096;
 
 class Collapser {
   public:
@@ -40,7 +40,7 @@ class Collapser {
         for (auto* of_vertex : {&first_, &into_}) fill_watched(*of_vertex, mesh.position.size(), -1, monitor);
         for (auto* of_vertex : {&degree_, &version_, &mark_}) fill_watched(*of_vertex, mesh.position.size(), monitor);
         for (int f = 0; f < mesh.face_count(); ++f) {
-            if (f % often == 0) monitor.check();
+            if (f % steps_between == 0) monitor.check();
             measure(f);
             for (int k = 0; k < 3; ++k) link(face_[f][k], 3 * f + k);
         }
@@ -48,7 +48,7 @@ class Collapser {
         // Twice as many as there are edges: what collapses add goes in without a move.
         items.reserve(3 * mesh.face.size());
         for (int f = 0; f < mesh.face_count(); ++f) {
-            if (f % often == 0) monitor.check();
+            if (f % steps_between == 0) monitor.check();
             for (int k = 0; k < 3; ++k) {
                 const int u = face_[f][k];
                 const int v = face_[f][(k + 1) % 3];
@@ -258,7 +258,7 @@ void locate(const TriangleMesh& fine, CoarseMesh& coarse, Piece progress, StartO
     coarse.place.assign(fine.vertex_count(), {});
     coarse.members.resize(coarse.mesh.vertex_count());
     for (int v = 0; v < fine.vertex_count(); ++v) {
-        if (v % often == 0) progress.reach(static_cast<double>(v) / fine.vertex_count());
+        if (v % steps_between == 0) progress.reach(static_cast<double>(v) / fine.vertex_count());
         const int start = start_of(v);
         if (start < 0) continue;
         coarse.place[v] = closest_from(coarse.mesh, start, fine.position[v]);

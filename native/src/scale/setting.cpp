@@ -188,15 +188,17 @@ std::vector<Choice> possible_settings(const std::vector<const Side*>& sources, c
 
 }  // namespace
 
-PreparedPair prepare_pair(const Surface& source, const Surface& target, const MatchOptions& options,
-                          MatchReport& report, Monitor& monitor, double from, double to, double later) {
+PreparedPair prepare_pair(Surface source, Surface target, const MatchOptions& options, MatchReport& report,
+                          Monitor& monitor, double from, double to, double later) {
     Stopwatch coarsening;
-    std::vector<Surface> surfaces{source, target};
+    const bool turn_source = source.orientation_is_ambiguous();
+    std::vector<Surface> surfaces;
+    surfaces.reserve(3);
+    surfaces.push_back(std::move(source));
+    surfaces.push_back(std::move(target));
     // Turning both over changes nothing, so one is enough.
-    if (source.orientation_is_ambiguous()) {
-        surfaces.push_back(source.with_open_parts_reversed(&monitor).in_own_frame(monitor));
-    } else if (target.orientation_is_ambiguous()) {
-        surfaces.push_back(target.with_open_parts_reversed(&monitor).in_own_frame(monitor));
+    if (const Surface& either = surfaces[turn_source ? 0 : 1]; either.orientation_is_ambiguous()) {
+        surfaces.push_back(either.with_open_parts_reversed(&monitor).in_own_frame(monitor));
     }
     const Costs costs(options);
     const bool automatic = options.scale.mode == ScaleMode::automatic;
@@ -210,12 +212,13 @@ PreparedPair prepare_pair(const Surface& source, const Surface& target, const Ma
         static_cast<int>(surfaces.size()), options.threads,
         [&](int i, int /*worker*/) {
             const double share = static_cast<double>(vertices[i]) / all;
-            made[i] = make_side(surfaces[i].with_holes_closed(options.surface.close_holes, monitor), options.hierarchy,
-                                Piece(monitor, share * (coarse_by - from)));
+            // A mesh whose holes are closed takes the place of the one before.
+            surfaces[i] = surfaces[i].with_holes_closed(options.surface.close_holes, monitor);
+            made[i] = make_side(surfaces[i], options.hierarchy, Piece(monitor, share * (coarse_by - from)));
         },
         monitor, "surface", from, from);
     std::vector<const Side*> sources{made.data()}, targets{&made[1]};
-    if (made.size() > 2) (source.orientation_is_ambiguous() ? sources : targets).push_back(&made[2]);
+    if (made.size() > 2) (turn_source ? sources : targets).push_back(&made[2]);
     note(report, "surface", coarsening.lap(), 0);
     const double voted = end_of_part(coarse_by, to, votes, costs.setting() + later);
     const std::vector<Choice> settings =

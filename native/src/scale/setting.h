@@ -36,7 +36,7 @@ struct PreparedPair {
 /// \param later what is still to come before the progress is at `to`, in seconds as of Costs: how much is done here
 /// shows on the way only.
 /// \param report stages, scale, unit length, sample counts and warnings are filled in. \throw Cancelled on request.
-PreparedPair prepare_pair(const Surface& source, const Surface& target, const MatchOptions& options,
-                          MatchReport& report, Monitor& monitor, double from, double to, double later = 0.0);
+PreparedPair prepare_pair(Surface source, Surface target, const MatchOptions& options, MatchReport& report,
+                          Monitor& monitor, double from, double to, double later = 0.0);
 
 }  // namespace isograft

@@ -29,8 +29,9 @@ constexpr double least_facing = 0.2;
 std::vector<double> edge_lengths(const TriangleMesh& mesh) {
     std::vector<double> sum(mesh.vertex_count(), 0.0), count(mesh.vertex_count(), 0.0);
     for (int h = 0; h < 3 * mesh.face_count(); ++h) {
+        const double length = std::abs(mesh.edge(h));
         for (const int v : {mesh.from(h), mesh.to(h)}) {
-            sum[v] += std::abs(mesh.edge(h));
+            sum[v] += length;
             count[v] += 1.0;
         }
     }

@@ -27,7 +27,7 @@ struct HalfedgeView {
     std::array<int, 2> beyond{-1, -1};
 };
 
-/// An oriented manifold triangle mesh with everything that the stages need, and with paths() everything that walking
+/// An oriented manifold triangle mesh with everything that the stages need, and after measure_paths() all that walking
 /// over it needs.
 ///
 /// Half-edge 3 f + k runs from corner k to corner k + 1 of triangle f. Vertices with several fans are split, so
@@ -37,10 +37,10 @@ struct TriangleMesh {
     std::vector<std::array<int, 3>> face;
     /// Per half-edge the opposite one, -1 on the boundary.
     std::vector<int> twin;
-    /// For traces and windows, per half-edge; without elements before measure_paths(). Of a mesh of a million vertices
-    /// they would be two fifths of the whole, and nobody walks there.
-    /// Its unit direction in its triangle's frame.
+    /// Per half-edge its unit direction in its triangle's frame; without elements before measure_paths(), since with
+    /// the views it would be two fifths of a fine mesh on which nothing walks.
     std::vector<Complex> direction;
+    /// Per half-edge; without elements before measure_paths().
     std::vector<HalfedgeView> view;
     /// Per triangle the corners in its frame; the first is 0.
     std::vector<std::array<Complex, 3>> corner;
@@ -88,13 +88,13 @@ struct TriangleMesh {
 TriangleMesh build_mesh(const std::vector<Eigen::Vector3d>& position, const std::vector<std::array<int, 3>>& face,
                         const std::vector<int>& input_face, const std::vector<char>& input_order, Piece progress);
 
-/// Let traces and windows walk over the mesh; nothing if they can already. O(#F).
-/// \throw Cancelled if `monitor` asks for it: the mesh is then as it was.
-void measure_paths(TriangleMesh& mesh, Monitor& monitor);
-
 /// The same, of small meshes.
 TriangleMesh build_mesh(const std::vector<Eigen::Vector3d>& position, const std::vector<std::array<int, 3>>& face,
                         const std::vector<int>& input_face, const std::vector<char>& input_order);
+
+/// Let traces and windows walk over the mesh; nothing if they can already. O(#F).
+/// \throw Cancelled if `monitor` asks for it: the mesh is then as it was.
+void measure_paths(TriangleMesh& mesh, Monitor& monitor);
 
 /// The same mesh with its vertices in other places, in which every triangle has an area. Without paths.
 /// \param position per vertex. \throw Cancelled if `monitor` asks for it.

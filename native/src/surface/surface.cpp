@@ -79,10 +79,9 @@ Surface Surface::from_points(Points vertices, const Points& normals, Monitor* mo
     surface.is_cloud_ = true;
     surface.ambiguous_ = cloud.ambiguous;
     surface.warnings_ = std::move(cloud.warnings);
-    surface.cloud_vertex_ = std::move(cloud.vertex);
-    surface.normals_ = std::move(cloud.normals);
+    surface.cloud_vertex_ = std::make_shared<std::vector<int>>(std::move(cloud.vertex));
+    surface.normals_ = std::make_shared<Points>(std::move(cloud.normals));
     surface.set_mesh(std::move(cloud.mesh));
-    surface.faces_ = std::make_shared<Triangles>(0, 3);
     surface.vertices_ = std::make_shared<Points>(std::move(vertices));
     return surface;
 }
@@ -167,7 +166,7 @@ Surface Surface::reversed_cloud() const {
     for (Corners& f : face) std::swap(f[1], f[2]);
     Surface surface = *this;
     surface.set_mesh(build_mesh(mesh_->position, face, mesh_->input_face, mesh_->input_order));
-    surface.normals_ = -normals_;
+    surface.normals_ = std::make_shared<Points>(-*normals_);
     return surface;
 }
 

@@ -126,6 +126,7 @@ TEST(CoarseMesh, OfAMeshThatIsCoarseEnoughIsThatMesh) {
     const CoarseMesh coarse = coarsened(fine, Edges(fine).length);
     EXPECT_TRUE(coarse.fine_vertex.empty());
     EXPECT_TRUE(coarse.place.empty());
+    EXPECT_TRUE(coarse.mesh.has_paths());
     EXPECT_EQ(coarse.mesh.face, fine.face);
     EXPECT_EQ(coarse.mesh.position, fine.position);
 }

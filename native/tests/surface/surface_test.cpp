@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "base/complex.h"
+#include "base/parallel.h"
 #include "gate.h"
 #include "isograft/errors.h"
 #include "shapes.h"
@@ -44,6 +45,15 @@ TEST(Surface, SharesItsContentsWithItsCopies) {
     EXPECT_EQ(&copies[1].mesh_with_paths(), &surface.mesh_with_paths());
 }
 
+TEST(Surface, SharesTheContentsOfACloudToo) {
+    const Surface cloud = Surface::from_points(shapes::sphere(3).vertices);
+    const std::vector<Surface> copies(2, cloud);
+    EXPECT_EQ(copies[1].vertices().data(), cloud.vertices().data());
+    EXPECT_EQ(copies[1].normals().data(), cloud.normals().data());
+    EXPECT_EQ(&copies[1].cloud_vertex(), &cloud.cloud_vertex());
+    EXPECT_EQ(cloud.faces().rows(), 0);
+}
+
 TEST(Surface, MeasuresPathsOnlyWhereTheyAreAskedFor) {
     const Surface surface = gate(shapes::blob(2));
     EXPECT_FALSE(surface.mesh().has_paths());
@@ -69,13 +79,27 @@ TEST(Surface, MeasuresPathsOnlyWhereTheyAreAskedFor) {
     EXPECT_NE(moved.mesh_with_paths().position, mesh.position);
 }
 
-TEST(Surface, LeavesTheMeshAsItWasWhereMeasuringItsPathsIsStopped) {
+TEST(Surface, StopsMeasuringPathsAndCanMeasureThemLater) {
     TriangleMesh mesh = gate(shapes::blob(2)).mesh();
     Monitor stopped;
     stopped.cancel();
     EXPECT_THROW(measure_paths(mesh, stopped), Cancelled);
     EXPECT_FALSE(mesh.has_paths());
-    EXPECT_TRUE(mesh.direction.empty());
+    Monitor monitor;
+    measure_paths(mesh, monitor);
+    EXPECT_TRUE(mesh.has_paths());
+    const std::vector<Complex> directions = mesh.direction;
+    measure_paths(mesh, stopped);
+    EXPECT_EQ(mesh.direction, directions);
+}
+
+TEST(Surface, MeasuresPathsOnceForAllThreads) {
+    const Surface surface = gate(shapes::blob(4));
+    std::vector<const TriangleMesh*> seen(64);
+    Monitor monitor;
+    parallel_for(64, 8, [&](int i, int /*worker*/) { seen[i] = &surface.mesh_with_paths(); }, monitor);
+    for (const TriangleMesh* mesh : seen) EXPECT_EQ(mesh, &surface.mesh_with_paths());
+    EXPECT_TRUE(seen.front()->has_paths());
 }
 
 TEST(Surface, RefusesNothing) {
