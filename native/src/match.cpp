@@ -293,7 +293,6 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
     lap("surface", 0);
     PreparedPair prepared =
         prepare_pair(std::move(surfaces[0]), std::move(surfaces[1]), options, report, watcher, 0.0, 1.0, search);
-    surfaces.clear();
     Pair& pair = prepared.pair;
     watch.lap();
     // Only what is on the source is refined, and of a small part there are few samples.

@@ -75,9 +75,7 @@ Detail work_detail(const Surface& surface, double factor, int vertices, const st
         detail.coarse = coarsen(fine, std::sqrt(fine.area / (0.866 * vertices)), monitor, 1.0);
     } else {
         // Paths first, as everywhere: measured on the scaled mesh they would be rounded otherwise.
-        detail.coarse.mesh = surface.mesh();
-        measure_paths(detail.coarse.mesh, monitor);
-        detail.coarse.mesh = scaled(detail.coarse.mesh, factor);
+        detail.coarse.mesh = scaled(surface.mesh_with_paths(), factor);
     }
     if (!detail.coarse.fine_vertex.empty()) {
         report.warnings.push_back(name + ": decimated from " + std::to_string(given) + " to " +

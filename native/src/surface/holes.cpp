@@ -52,8 +52,9 @@ std::vector<Rim> find_rims(const TriangleMesh& mesh, Monitor& monitor) {
         for (int h = start; seen[h] == 0;) {
             seen[h] = 1;
             rim.halfedge.push_back(h);
-            rim.length += std::abs(mesh.edge(h));
-            rim.middle += 0.5 * std::abs(mesh.edge(h)) * (mesh.position[mesh.from(h)] + mesh.position[mesh.to(h)]);
+            const double length = std::abs(mesh.edge(h));
+            rim.length += length;
+            rim.middle += 0.5 * length * (mesh.position[mesh.from(h)] + mesh.position[mesh.to(h)]);
             h = following(h);
             while (mesh.twin[h] >= 0) h = following(mesh.twin[h]);
         }
@@ -120,8 +121,9 @@ class Closer {
             ring.vertex.push_back(mesh_.to(*h));
             ring.at.push_back(along / rim.length);
             outline.push_back(mesh_.position[mesh_.to(*h)]);
-            radius += (outline.back() - rim.middle).norm() * std::abs(mesh_.edge(*h)) / rim.length;
-            along += std::abs(mesh_.edge(*h));
+            const double length = std::abs(mesh_.edge(*h));
+            radius += (outline.back() - rim.middle).norm() * length / rim.length;
+            along += length;
         }
         const std::vector<double> outline_at = ring.at;
         const int steps = std::max(1, static_cast<int>(std::lround(radius / spacing)));

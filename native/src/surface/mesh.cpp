@@ -216,7 +216,7 @@ void measure_paths(TriangleMesh& mesh, Monitor& monitor) {
         const int next = following(h), last = following(next);
         const Complex edge = mesh.edge(h);
         views[h].length = std::abs(edge);
-        directions[h] = edge / std::abs(edge);
+        directions[h] = edge / views[h].length;
         views[h].apex = (corner[last % 3] - corner[h % 3]) * std::conj(directions[h]);
         views[h].beyond = {mesh.twin[next], mesh.twin[last]};
     }

@@ -9,7 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "base/complex.h"
-#include "base/sorting.h"
+#include "base/filling.h"
 #include "isograft/monitor.h"
 
 namespace isograft {

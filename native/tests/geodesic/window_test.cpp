@@ -61,12 +61,12 @@ TEST(Window, IsExactOnThePlaneWhateverTheTriangles) {
     }
 }
 
-// What lies beyond the radius may be on the way to a corner of an obtuse triangle within it: cut off, it is a detour.
 TEST(Window, NeedsAMeshWithPaths) {
     const TriangleMesh mesh = gate(shapes::blob(2)).mesh();
     EXPECT_THROW(Window{mesh}, std::logic_error);
 }
 
+// What lies beyond the radius may be on the way to a corner of an obtuse triangle within it: cut off, it is a detour.
 TEST(Window, BoundedIsNeverTooShortAndHardlyTooLong) {
     // Right, 124 and 162 degrees, long right ones, irregular.
     const double limit[] = {1e-9, 5e-4, 2e-3, 1e-9, 5e-4};
