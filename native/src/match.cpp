@@ -116,6 +116,7 @@ void enter(Grown& grown, PartialMap map, const Pair& pair, const MatchOptions& o
     own.member.assign(grown.patches.size(), 0);
     own.member.back() = 1;
     own.count = 1;
+    own.carried = true;
     // After the strongest: whether these two agree settles most.
     const auto second = std::min<std::size_t>(1, grown.cores.size());
     grown.cores.insert(grown.cores.begin() + static_cast<std::ptrdiff_t>(second), std::move(own));
@@ -275,9 +276,9 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
     const double blending = costs.cores(options.blend.cores) + costs.answers(1);
     const double another = describing + costs.growth() + blending;
     // Nobody knows yet whether there will be another search: a share for those after so many that is not far off either
-    // way. A pair that needed two mostly needs three.
+    // way. Of three pairs that need a second one, two are confirmed by it; of later ones little is known.
     const auto more = [&](int searches) {
-        constexpr double second = 0.4, further = 0.8;
+        constexpr double second = 0.4, further = 0.35;
         double sum = 0.0;
         double likely = 1.0;
         for (int k = searches; k < options.blend.attempts; ++k) {
@@ -333,7 +334,9 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
     std::vector<Blended> answers = blend(pair, settings, grown.patches, grown.cores, watcher, at, completed, until);
     report.maps_in_core = answers.front().maps_in_core;
     lap("blend", map_bytes * static_cast<std::int64_t>(answers.size()));
-    for (int attempt = 1; attempt < options.blend.attempts && answers.front().fit < options.blend.content; ++attempt) {
+    bool confirmed = false;
+    for (int attempt = 1; attempt < options.blend.attempts && answers.front().fit < options.blend.content && !confirmed;
+         ++attempt) {
         expected += another;
         at = watcher.fraction();
         const double end = end_of_part(at, 1.0, another, more(attempt + 1) + finish);
@@ -351,6 +354,7 @@ Match match(const Surface& source, const Surface& target, const MatchOptions& op
             blend(other, settings, again.patches, again.cores, watcher, until,
                   end_of_part(until, end, costs.cores(options.blend.cores), costs.answers(1)), end);
         lap("blend", map_bytes * static_cast<std::int64_t>(found.size()));
+        confirmed = found.front().confirmed;
         if (found.front().fit <= answers.front().fit) continue;
         pair = std::move(other);
         answers = std::move(found);

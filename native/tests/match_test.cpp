@@ -176,6 +176,22 @@ TEST(Match, LosesNothingByAnotherSearch) {
     expect_same_bits(match(source, gate(target), options).best().points, again.best().points);
 }
 
+TEST(Match, SearchesNoMoreWhereASecondSearchComesToTheSameMap) {
+    const shapes::Shape target = bumped();
+    const Surface source = gate(shapes::blob(4));
+    MatchOptions options = quick();
+    options.blend.content = 1.0;
+    options.scale.mode = ScaleMode::fixed;
+    const Match once = match(source, gate(target), options);
+    options.blend.attempts = 2;
+    const Match twice = match(source, gate(target), options);
+    ASSERT_GT(twice.report.maps_grown, once.report.maps_grown);
+    options.blend.attempts = 6;
+    const Match open = match(source, gate(target), options);
+    EXPECT_EQ(open.report.maps_grown, twice.report.maps_grown);
+    expect_same_bits(open.best().points, twice.best().points);
+}
+
 shapes::Shape without_a_spot(const shapes::Shape& shape) {
     return shapes::cut(shape,
                        [](const Eigen::Vector3d& x) { return (x - Eigen::Vector3d(0.0, -1.0, 0.0)).norm() > 0.3; });

@@ -95,10 +95,36 @@ std::vector<PartialMap> witnesses(const std::vector<Contender>& contenders, std:
     return result;
 }
 
-// Whether the two strongest cores came to one map that is worth enough: weaker ones would not change it any more.
-bool settled(const std::vector<Contender>& contenders, const BlendOptions& options) {
-    return alike(contenders[0], contenders[1], options.agreement_radius) &&
-           std::max(contenders[0].score, contenders[1].score) >= options.content;
+// Whether two maps are one and the same but for their ends.
+bool coincide(const PartialMap& a, const PartialMap& b, double radius) {
+    constexpr double nearly_all = 0.95;  // of what both have
+    constexpr double most = 0.8;         // of the larger one
+    const auto share = agreement(a, b, radius);
+    return share && *share >= nearly_all && overlap_of(a, b, radius).shared >= most * std::max(a.count, b.count);
+}
+
+// Whether weaker cores would not change the map any more: the two strongest came to one that is worth enough, or to
+// the very same that is worth something. (Of 90 third cores beside two that coincide, of 172 pairs, three led elsewhere
+// and were worth more: two by a twentieth, one where the map was worth a twentieth of a good one.)
+bool settled(const Contender& a, const Contender& b, const BlendOptions& options) {
+    constexpr double something = 0.25;  // of a good map
+    const double score = std::max(a.score, b.score);
+    if (score >= options.content) return alike(a, b, options.agreement_radius);
+    return score >= something * options.content && coincide(a.free, b.free, options.agreement_radius);
+}
+
+// Whether the strongest core of this search came to the map of an earlier one, and `map` is still that.
+bool confirmed(const std::vector<Contender>& contenders, const std::vector<Patch>& patches,
+               const std::vector<Core>& cores, const PartialMap& map, const BlendOptions& options) {
+    const auto carried = std::find_if(cores.begin(), cores.end(), [](const Core& core) { return core.carried; });
+    const auto own = std::find_if(cores.begin(), cores.end(), [](const Core& core) { return !core.carried; });
+    if (carried == cores.end() || own == cores.end()) return false;
+    const Contender& here = contenders[own - cores.begin()];
+    if (!settled(here, contenders[carried - cores.begin()], options)) return false;
+    // As it came, before this search's patches were heard.
+    const auto member = std::find(carried->member.begin(), carried->member.end(), char{1}) - carried->member.begin();
+    const PartialMap& earlier = patches[member].map;
+    return coincide(here.free, earlier, options.agreement_radius) && coincide(map, earlier, options.agreement_radius);
 }
 
 // The best contender, then those that contradict it and each other and may yet be worth more, by falling score.
@@ -171,7 +197,7 @@ std::vector<Blended> blend(const Pair& pair, const PatchSettings& settings, cons
     constexpr std::size_t strongest = 2;
     complete_cores(0, std::min(strongest, cores.size()));
     if (cores.size() > strongest) {
-        if (settled(contenders, settings.blend)) {
+        if (settled(contenders[0], contenders[1], settings.blend)) {
             contenders.resize(strongest);
         } else {
             complete_cores(strongest, cores.size());
@@ -205,6 +231,7 @@ std::vector<Blended> blend(const Pair& pair, const PatchSettings& settings, cons
         first.completion =
             contest(std::move(first.completion), first.worth, pair, settings, Piece(monitor, to - middle - extending));
     }
+    const int landmarks = static_cast<int>(settings.landmarks.size());
     parallel_for(
         static_cast<int>(ranked.size()), settings.threads,
         [&](int i, int /*worker*/) {
@@ -213,14 +240,16 @@ std::vector<Blended> blend(const Pair& pair, const PatchSettings& settings, cons
             completion.take_threads(share);
             // Only what is contested is held to account for what it doubles, if there is ground for a contest.
             const double fit = i == 0 ? completion.worth() : chosen.worth;
-            fill_pockets(completion.map(), pair, completion.threads(), monitor);
+            fill_pockets(completion.map(), pair, landmarks, completion.threads(), monitor);
             completion.place_anchors();
             result[i] = {completion.map(), completion.doubts(), cores[ranked[i]].count, fit};
         },
         monitor, "blend", middle, middle);
     result = still_alternatives(std::move(result), settings.blend);
     monitor.report("blend", to);
-    if (ranked.empty()) {
+    if (!ranked.empty()) {
+        result[0].confirmed = confirmed(contenders, patches, cores, result[0].map, settings.blend);
+    } else {
         result[0].map = PartialMap(pair.source.samples.count());
         result[0].risk.assign(pair.source.samples.count(), 0.0);
     }

@@ -16,11 +16,14 @@ struct Blended {
     int maps_in_core = 0;
     /// Completion::worth() of the map as it is: comparable between searches of one pair.
     double fit = 0.0;
+    /// The strongest core of this search came to the map that was carried over from an earlier one, and this is it. It
+    /// was grown from other samples, but its second passes heard the earlier map too where that fits it.
+    bool confirmed = false;
 };
 
 /// Complete the strongest cores, choose one, and carry it carefully into the rest (paper section 4.4).
 ///
-/// \param cores those of find_cores(), the strongest first.
+/// \param cores those of find_cores(), the strongest first; beside them the map of an earlier search, if there is one.
 /// \param middle progress when the cores are complete.
 /// \return the chosen map, empty where even the best core fits the surfaces no better than chance; after it those that
 /// contradict it and are worth nearly as much, by falling fit: the surfaces map onto themselves, and it is open which

@@ -12,6 +12,8 @@ namespace isograft {
 struct Core {
     std::vector<char> member;
     int count = 0;
+    /// The map of an earlier search, and no consensus of this one.
+    bool carried = false;
 };
 
 /// Find sets of patches that put the samples they share in the same places (in place of the paper's linkage, section

@@ -197,6 +197,27 @@ Complex turn_of(int sample, const SurfacePoint& point, const PartialMap& map, co
     return std::abs(turn) > 1e-9 ? unit(turn) : Complex(1.0, 0.0);
 }
 
+// Parts of S to be filled. A mapped sample none of whose neighbours is mapped belongs to them, unless it is a landmark.
+std::vector<std::vector<int>> pockets_of(const PartialMap& map, const SampledMesh& side, int landmarks) {
+    const Samples& source = side.samples;
+    const auto alone = [&](int s) {
+        const auto& edges = source.base_edges_of[s];
+        return s >= landmarks && !edges.empty() && std::none_of(edges.begin(), edges.end(), [&](int e) {
+                   return map.mapped[source.edges[e].other(s)] != 0;
+               });
+    };
+    std::vector<char> open(source.count());
+    for (int s = 0; s < source.count(); ++s) open[s] = map.mapped[s] && !alone(s) ? 0 : 1;
+    const double total = std::accumulate(source.area.begin(), source.area.end(), 0.0);
+    std::vector<std::vector<int>> result;
+    for (std::vector<int>& pocket : parts_by_area(source, std::move(open), 0.0)) {
+        double area = 0.0;
+        for (const int s : pocket) area += source.area[s];
+        if (area <= largest_pocket * total && !along_boundary(pocket, side)) result.push_back(std::move(pocket));
+    }
+    return result;
+}
+
 // Drop samples most of whose mapped neighbours lie farther away than the edges allow, until none is left.
 void drop_strays(PartialMap& map, const Samples& source, std::vector<int>& added) {
     bool changed = true;
@@ -225,28 +246,31 @@ void drop_strays(PartialMap& map, const Samples& source, std::vector<int>& added
 
 }  // namespace
 
-int fill_pockets(PartialMap& map, const Pair& pair, int threads, Monitor& monitor) {
+void fill_pockets(PartialMap& map, const Pair& pair, int landmarks, int threads, Monitor& monitor) {
     const Samples& source = pair.source.samples;
     const TriangleMesh& target = pair.target.mesh;
-    if (map.count == 0) return 0;
-    const double total = std::accumulate(source.area.begin(), source.area.end(), 0.0);
-    std::vector<char> open(source.count());
+    if (map.count == 0) return;
+    const std::vector<std::vector<int>> pockets = pockets_of(map, pair.source, landmarks);
+    const PartialMap before = map;
+    for (const std::vector<int>& pocket : pockets) {
+        for (const int s : pocket) map.drop(s);
+    }
     std::vector<int> mapped;
     for (int s = 0; s < source.count(); ++s) {
-        open[s] = map.mapped[s] ? 0 : 1;
         if (map.mapped[s]) mapped.push_back(s);
     }
     std::vector<int> free = free_vertices(pair.target);
     take(mapped, map, pair, free);
     std::vector<Window> on_source(worker_count(threads), Window(pair.source.mesh));
     std::vector<Window> on_target(worker_count(threads), Window(target));
-    int count = 0;
-    for (const std::vector<int>& pocket : parts_by_area(source, std::move(open), 0.0)) {
-        double area = 0.0;
-        for (const int s : pocket) area += source.area[s];
-        if (area > largest_pocket * total || along_boundary(pocket, pair.source)) continue;
+    for (const std::vector<int>& pocket : pockets) {
         const std::vector<int> around = anchor_samples(source, map, pocket);
-        if (around.size() < fewest_anchors) continue;
+        if (around.size() < fewest_anchors) {
+            for (const int s : pocket) {
+                if (before.mapped[s]) map.put(target, s, before.image[s], before.rotation[s]);
+            }
+            continue;
+        }
         const std::vector<Anchor> anchors = measure(around, pocket, map, pair, on_source, on_target, monitor);
         std::vector<Fit> fits(pocket.size());
         parallel_for(
@@ -262,9 +286,7 @@ int fill_pockets(PartialMap& map, const Pair& pair, int threads, Monitor& monito
         drop_strays(map, source, added);
         for (const int s : added) map.rotation[s] = turn_of(s, map.image[s], map, pair);
         take(added, map, pair, free);
-        count += static_cast<int>(added.size());
     }
-    return count;
 }
 
 }  // namespace isograft

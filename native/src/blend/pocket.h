@@ -14,7 +14,9 @@ namespace isograft {
 /// vertices of T on which no image lies. One whose distances fit nowhere, or whose neighbours lie elsewhere, stays
 /// unmapped; so do parts along a boundary of S. Which of two fingers it is may remain open; they lie within a few
 /// hundredths of each other.
-/// \param map in and out; what it holds is not moved. \return samples added.
-int fill_pockets(PartialMap& map, const Pair& pair, int threads, Monitor& monitor);
+/// A mapped sample in such a part none of whose neighbours is mapped counts as left out: patches that were not
+/// continued put it there, often on the other hand. It is placed anew, or dropped where its distances fit nowhere.
+/// \param map in and out; what else it holds is not moved. \param landmarks the first so many samples are not moved.
+void fill_pockets(PartialMap& map, const Pair& pair, int landmarks, int threads, Monitor& monitor);
 
 }  // namespace isograft

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -177,7 +178,8 @@ const TwoWays& two_ways() {
     return once;
 }
 
-TEST(Blend, TellsTheSameMapFromTwoCoresOnce) {
+/// Every other patch of the straight map, and the rest.
+std::pair<Core, Core> halves() {
     Core even = two_ways().cores[0];
     Core odd = even;
     int k = 0;
@@ -185,6 +187,11 @@ TEST(Blend, TellsTheSameMapFromTwoCoresOnce) {
         if (even.member[i] != 0) (k++ % 2 == 0 ? odd : even).member[i] = 0;
     }
     even.count = odd.count = k / 2;
+    return {even, odd};
+}
+
+TEST(Blend, TellsTheSameMapFromTwoCoresOnce) {
+    const auto [even, odd] = halves();
     const auto answers = two_ways().blended(0.0, {even, two_ways().cores[1], odd});
     ASSERT_EQ(answers.size(), 2U);
     const Overlap overlap = overlap_of(answers[0].map, answers[1].map, few(1).blend.agreement_radius);
@@ -209,6 +216,57 @@ TEST(Blend, KeepsAlternativesThatAreWorthTheShareOfTheBestAskedFor) {
     const auto best = two_ways().blended(std::min(1.0, 1.01 * share), two_ways().cores);
     ASSERT_EQ(best.size(), 1U);
     EXPECT_EQ(best[0].map.position, all[0].map.position);
+}
+
+/// Samples where they belong, or each where the sample half the list away does.
+PartialMap earlier_map(const std::vector<int>& samples, bool right) {
+    const int count = twins().pair().source.samples.count();
+    const PartialMap truth = twins().true_map(twins().all_samples());
+    PartialMap map(count);
+    for (const int s : samples) {
+        const int there = right ? s : (s + count / 2) % count;
+        map.put(twins().pair().target.mesh, s, truth.image[there], truth.rotation[there]);
+    }
+    return map;
+}
+
+/// Whether the right core, if it is there, confirms the map of an earlier search.
+bool confirms(const PartialMap& earlier, bool carried, bool own) {
+    std::vector<Patch> patches = grown().patches;
+    patches.push_back({earlier, 0.0, 0.0});
+    std::vector<Core> cores;
+    if (own) cores.push_back(grown().right);
+    for (Core& core : cores) core.member.push_back(0);
+    Core before;
+    before.member.assign(patches.size(), 0);
+    before.member.back() = 1;
+    before.count = 1;
+    before.carried = carried;
+    cores.push_back(before);
+    Monitor monitor;
+    return blend(twins().pair(), few(2), patches, cores, monitor, 0.0, 0.6, 1.0).front().confirmed;
+}
+
+TEST(Blend, IsConfirmedWhereItComesToTheMapOfAnEarlierSearch) {
+    const std::vector<int> all = twins().all_samples();
+    const std::vector<int> half(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2));
+    EXPECT_TRUE(confirms(earlier_map(all, true), true, true));
+    EXPECT_FALSE(confirms(earlier_map(all, true), false, true));
+    EXPECT_FALSE(confirms(earlier_map(all, true), true, false));
+    EXPECT_FALSE(confirms(earlier_map(half, true), true, true));
+    EXPECT_FALSE(confirms(earlier_map(all, false), true, true));
+}
+
+TEST(Blend, AsksNoWeakerCoreWhereTwoComeToTheSameMap) {
+    PatchSettings hard_to_please = TwoWays::settings(0.0, 2);
+    hard_to_please.blend.content = 1.0;
+    const auto [even, odd] = halves();
+    const auto answers = [&](const std::vector<Core>& cores) {
+        Monitor monitor;
+        return blend(two_ways().twins.pair(), hard_to_please, two_ways().patches, cores, monitor, 0.0, 0.6, 1.0);
+    };
+    EXPECT_EQ(answers({even, odd, two_ways().cores[1]}).size(), 1U);
+    EXPECT_EQ(answers({even, two_ways().cores[1], odd}).size(), 2U);
 }
 
 TEST(Blend, OfNoCoreIsAnEmptyMap) {

@@ -15,7 +15,7 @@ struct BlendOptions {
     double min_agreement = 0.6;
     /// Trust in a map decays by exp(-distance from its seed / decay).
     double decay = 0.1;
-    /// Disjoint cores that are completed before one is chosen.
+    /// Disjoint cores that are completed, at most, before one is chosen.
     int cores = 3;
     /// Rounds of second passes.
     int rounds = 4;
@@ -30,7 +30,7 @@ struct BlendOptions {
     /// A map that contradicts the best is kept as an alternative if it is worth more than this share of it.
     double alternative = 0.75;
     /// Whole searches, each from other samples and with the best map so far as one core more, while that map is worth
-    /// less than `content`.
+    /// less than `content` and no later search has come to the map of the one before.
     int attempts = 3;
     /// Between 0 and 1: share of the area that is expected to be right, where doubt counts four times; less for bodies
     /// out of shape. Right maps of whole bodies reach 0.7 to 0.9.
