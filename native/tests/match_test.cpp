@@ -192,6 +192,21 @@ TEST(Match, SearchesNoMoreWhereASecondSearchComesToTheSameMap) {
     expect_same_bits(open.best().points, twice.best().points);
 }
 
+TEST(Match, SearchesOnWhereTwoSearchesDoNotAgree) {
+    // So rough that no search finds a map that another one would find again.
+    const Surface source = gate(shapes::blob(4)), target = gate(shapes::noisy(bumped(), 0.06, 3));
+    MatchOptions options = quick();
+    options.blend.content = 1.0;
+    options.scale.mode = ScaleMode::fixed;
+    options.blend.attempts = 2;
+    const Match twice = match(source, target, options);
+    options.blend.attempts = 3;
+    const Match thrice = match(source, target, options);
+    EXPECT_GT(thrice.report.maps_grown, twice.report.maps_grown);
+    options.threads = 1;
+    expect_same_bits(match(source, target, options).best().points, thrice.best().points);
+}
+
 shapes::Shape without_a_spot(const shapes::Shape& shape) {
     return shapes::cut(shape,
                        [](const Eigen::Vector3d& x) { return (x - Eigen::Vector3d(0.0, -1.0, 0.0)).norm() > 0.3; });
