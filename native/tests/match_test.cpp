@@ -156,13 +156,18 @@ TEST(Match, GivesOneAnswerWhereThereIsOne) {
     EXPECT_EQ(result.correspondences.size(), 1U);
 }
 
+/// Content with nothing: it searches again as long as it may.
+MatchOptions hard_to_please() {
+    MatchOptions options = quick();
+    options.blend.content = 1.0;
+    options.scale.mode = ScaleMode::fixed;
+    return options;
+}
+
 TEST(Match, LosesNothingByAnotherSearch) {
     const shapes::Shape target = bumped();
     const Surface source = gate(shapes::blob(4));
-    MatchOptions options = quick();
-    // Content with nothing.
-    options.blend.content = 1.0;
-    options.scale.mode = ScaleMode::fixed;
+    MatchOptions options = hard_to_please();
     const Match once = match(source, gate(target), options);
     options.blend.attempts = 3;
     const Match again = match(source, gate(target), options);
@@ -177,17 +182,14 @@ TEST(Match, LosesNothingByAnotherSearch) {
 }
 
 TEST(Match, SearchesNoMoreWhereASecondSearchComesToTheSameMap) {
-    const shapes::Shape target = bumped();
-    const Surface source = gate(shapes::blob(4));
-    MatchOptions options = quick();
-    options.blend.content = 1.0;
-    options.scale.mode = ScaleMode::fixed;
-    const Match once = match(source, gate(target), options);
+    const Surface source = gate(shapes::blob(4)), target = gate(bumped());
+    MatchOptions options = hard_to_please();
+    const Match once = match(source, target, options);
     options.blend.attempts = 2;
-    const Match twice = match(source, gate(target), options);
+    const Match twice = match(source, target, options);
     ASSERT_GT(twice.report.maps_grown, once.report.maps_grown);
     options.blend.attempts = 6;
-    const Match open = match(source, gate(target), options);
+    const Match open = match(source, target, options);
     EXPECT_EQ(open.report.maps_grown, twice.report.maps_grown);
     expect_same_bits(open.best().points, twice.best().points);
 }
@@ -195,9 +197,7 @@ TEST(Match, SearchesNoMoreWhereASecondSearchComesToTheSameMap) {
 TEST(Match, SearchesOnWhereTwoSearchesDoNotAgree) {
     // So rough that no search finds a map that another one would find again.
     const Surface source = gate(shapes::blob(4)), target = gate(shapes::noisy(bumped(), 0.06, 3));
-    MatchOptions options = quick();
-    options.blend.content = 1.0;
-    options.scale.mode = ScaleMode::fixed;
+    MatchOptions options = hard_to_please();
     options.blend.attempts = 2;
     const Match twice = match(source, target, options);
     options.blend.attempts = 3;

@@ -67,11 +67,14 @@ void complete(Contender& contender, const Core& core, const Pair& pair, const Pa
 }
 
 // Share of the samples that two maps have in common which they put in the same place; nothing if they share too few.
-std::optional<double> agreement(const PartialMap& a, const PartialMap& b, double radius) {
+std::optional<double> agreement(const Overlap& overlap) {
     constexpr int fewest = 10;
-    const Overlap overlap = overlap_of(a, b, radius);
     if (overlap.shared < fewest) return std::nullopt;
     return static_cast<double>(overlap.agreed) / overlap.shared;
+}
+
+std::optional<double> agreement(const PartialMap& a, const PartialMap& b, double radius) {
+    return agreement(overlap_of(a, b, radius));
 }
 
 // Whether two cores came to much the same map.
@@ -99,8 +102,9 @@ std::vector<PartialMap> witnesses(const std::vector<Contender>& contenders, std:
 bool coincide(const PartialMap& a, const PartialMap& b, double radius) {
     constexpr double nearly_all = 0.95;  // of what both have
     constexpr double most = 0.8;         // of the larger one
-    const auto share = agreement(a, b, radius);
-    return share && *share >= nearly_all && overlap_of(a, b, radius).shared >= most * std::max(a.count, b.count);
+    const Overlap overlap = overlap_of(a, b, radius);
+    const auto share = agreement(overlap);
+    return share && *share >= nearly_all && overlap.shared >= most * std::max(a.count, b.count);
 }
 
 // Whether weaker cores would not change the map any more: the two strongest came to one that is worth enough, or to
