@@ -10,58 +10,19 @@
 #include <gtest/gtest.h>
 
 #include "gate.h"
-#include "hierarchy/samples.h"
 #include "isograft/errors.h"
+#include "matches.h"
 #include "shapes.h"
 
 namespace isograft {
 namespace {
 
-MatchOptions quick() {
-    MatchOptions options = preset_options("fast");
-    options.hierarchy.samples = 350;
-    options.hierarchy.min_samples = 300;
-    options.threads = 2;
-    return options;
-}
-
-/// The blob with other bumps on it: nearly isometric.
-shapes::Shape bumped() {
-    auto shape = shapes::blob(4);
-    for (Eigen::Index v = 0; v < shape.vertices.rows(); ++v) {
-        const Eigen::Vector3d p = shape.vertices.row(v);
-        shape.vertices.row(v) *= 1.0 + 0.012 * std::sin(7.0 * p.x() + 1.0) * std::cos(6.0 * p.z());
-    }
-    return shape;
-}
-
-double spacing(const TriangleMesh& mesh, const MatchOptions& options) {
-    return sample_spacing(mesh.area, options.hierarchy.samples);
-}
-
-/// Share of all source vertices matched to within `radius` of `truth`, and of those matched at all.
-struct Score {
-    double right = 0.0, matched = 0.0;
-};
-Score score(const Correspondence& c, const Points& truth, double radius) {
-    Score result;
-    const double n = static_cast<double>(c.face.size());
-    for (Eigen::Index v = 0; v < c.face.size(); ++v) {
-        if (c.face[v] < 0) continue;
-        result.matched += 1.0 / n;
-        if ((c.points.row(v) - truth.row(v)).norm() < radius) result.right += 1.0 / n;
-    }
-    return result;
-}
-
-void expect_same_bits(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
-    ASSERT_EQ(a.rows(), b.rows());
-    ASSERT_EQ(a.cols(), b.cols());
-    for (Eigen::Index i = 0; i < a.size(); ++i) {
-        const double x = a.data()[i], y = b.data()[i];
-        ASSERT_TRUE(x == y || (std::isnan(x) && std::isnan(y))) << i << ": " << x << " and " << y;
-    }
-}
+using matches::expect_same_bits;
+using matches::quick;
+using matches::Score;
+using matches::score;
+using matches::spacing;
+using shapes::bumped;
 
 void expect_well_formed(const Correspondence& c, const Surface& source, const Surface& target) {
     const Eigen::Index n = source.vertices().rows();
@@ -154,57 +115,6 @@ TEST(Match, GivesBothAnswersWhereTheShapeMapsOntoItself) {
 TEST(Match, GivesOneAnswerWhereThereIsOne) {
     const Match result = match(gate(shapes::blob(4)), gate(bumped()), quick());
     EXPECT_EQ(result.correspondences.size(), 1U);
-}
-
-/// Content with nothing: it searches again as long as it may.
-MatchOptions hard_to_please() {
-    MatchOptions options = quick();
-    options.blend.content = 1.0;
-    options.scale.mode = ScaleMode::fixed;
-    return options;
-}
-
-TEST(Match, LosesNothingByAnotherSearch) {
-    const shapes::Shape target = bumped();
-    const Surface source = gate(shapes::blob(4));
-    MatchOptions options = hard_to_please();
-    const Match once = match(source, gate(target), options);
-    options.blend.attempts = 3;
-    const Match again = match(source, gate(target), options);
-    EXPECT_GT(again.report.maps_grown, once.report.maps_grown);
-    const double radius = 1.5 * spacing(source.mesh(), options);
-    const Score before = score(once.best(), target.vertices, radius);
-    const Score after = score(again.best(), target.vertices, radius);
-    EXPECT_GE(after.right, before.right);
-    EXPECT_GT(after.right, 0.9 * after.matched);
-    options.threads = 1;
-    expect_same_bits(match(source, gate(target), options).best().points, again.best().points);
-}
-
-TEST(Match, SearchesNoMoreWhereASecondSearchComesToTheSameMap) {
-    const Surface source = gate(shapes::blob(4)), target = gate(bumped());
-    MatchOptions options = hard_to_please();
-    const Match once = match(source, target, options);
-    options.blend.attempts = 2;
-    const Match twice = match(source, target, options);
-    ASSERT_GT(twice.report.maps_grown, once.report.maps_grown);
-    options.blend.attempts = 6;
-    const Match open = match(source, target, options);
-    EXPECT_EQ(open.report.maps_grown, twice.report.maps_grown);
-    expect_same_bits(open.best().points, twice.best().points);
-}
-
-TEST(Match, SearchesOnWhereTwoSearchesDoNotAgree) {
-    // So rough that no search finds a map that another one would find again.
-    const Surface source = gate(shapes::blob(4)), target = gate(shapes::noisy(bumped(), 0.06, 3));
-    MatchOptions options = hard_to_please();
-    options.blend.attempts = 2;
-    const Match twice = match(source, target, options);
-    options.blend.attempts = 3;
-    const Match thrice = match(source, target, options);
-    EXPECT_GT(thrice.report.maps_grown, twice.report.maps_grown);
-    options.threads = 1;
-    expect_same_bits(match(source, target, options).best().points, thrice.best().points);
 }
 
 shapes::Shape without_a_spot(const shapes::Shape& shape) {

@@ -141,6 +141,15 @@ Eigen::Matrix3d some_rotation() {
     return Eigen::AngleAxisd(2.2, Eigen::Vector3d(0.3, -0.7, 0.9).normalized()).toRotationMatrix();
 }
 
+Shape bumped() {
+    Shape shape = blob(4);
+    for (Eigen::Index v = 0; v < shape.vertices.rows(); ++v) {
+        const Eigen::Vector3d p = shape.vertices.row(v);
+        shape.vertices.row(v) *= 1.0 + 0.012 * std::sin(7.0 * p.x() + 1.0) * std::cos(6.0 * p.z());
+    }
+    return shape;
+}
+
 Shape moved(const Shape& shape, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& shift, double scale) {
     Shape result = shape;
     for (Eigen::Index v = 0; v < shape.vertices.rows(); ++v) {

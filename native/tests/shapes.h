@@ -38,6 +38,8 @@ Shape torus(int around, int across, double radius, double tube);
 
 /// A closed bumpy body without any symmetry, about 2 wide.
 Shape blob(int levels);
+/// The blob of four levels with other bumps on it: nearly isometric.
+Shape bumped();
 
 Shape moved(const Shape& shape, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& shift, double scale = 1.0);
 /// A fixed rotation about a skew axis.
